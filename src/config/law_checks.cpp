@@ -15,8 +15,8 @@ void check_parameters(const auto&, const Rig&, const Check&) {}
 void check_parameters(const PdForceParameters& p, const Rig& rig, const Check& check) {
   if (p.wants_pass() && p.without_pass == WithoutPass::refuse && rig.reference.kind == ReferenceKind::live)
     check.refuse("controller.flow_feedforward", {"reference.kind"}, "pass",
-                 "off or formula with reference.kind live, or without_pass: formula: a pass runs the whole reference "
-                 "before it moves");
+                 "off or formula with reference.kind live, or without_pass: formula: a move whose pass is not ready in "
+                 "time goes by the formula");
   if (p.learning != MoveLearning::none && !p.wants_pass())
     check.refuse("controller.learning", {"controller.flow_feedforward"}, "command",
                  "none, or controller.flow_feedforward: pass, beside whose command it learns");

@@ -20,6 +20,18 @@ constexpr int default_smoothness(ReferenceKind kind) {
   return kind == ReferenceKind::cruise ? 9 : 5;
 }
 
+/// Limits of commanded moves, and their wait.
+template <class V, class... P> void visit_live(V&& v, P&... p) {
+  v(Field{"lowest_m", "m", -10, 10, "commands may go down to it"}, p.lowest_m...);
+  v(Field{"highest_m", "m", -10, 10, "commands may go up to it"}, p.highest_m...);
+  v(Field{"speed_mps", "m/s", 1e-4, 100, "largest speed of a commanded move"}, p.speed_mps...);
+  v(Field{"acceleration_mps2", "m/s2", 1e-3, 1e5, "largest acceleration of a commanded move"}, p.acceleration_mps2...);
+  v(Field{"pass_within_s", "s", 0, 10,
+          "from the command of a move at rest to its begin, for its command pass (flow_feedforward: pass)",
+          Presence::optional},
+    p.pass_within_s...);
+}
+
 /// Visits the keys that references of `kind` have. An optional number below its range is not stated (ramp_s: one
 /// period).
 template <class V, class... P> void visit_reference(ReferenceKind kind, V&& v, P&... p) {
@@ -62,14 +74,7 @@ template <class V, class... P> void visit_reference(ReferenceKind kind, V&& v, P
     case ReferenceKind::file:
       v(Field{"path", "", 0, 0, "recording with the columns t_s and x_ref_m, from the config's folder"}, p.path...);
       break;
-    case ReferenceKind::live:
-      v(Field{"lowest_m", "m", -10, 10, "commands may go down to it"}, p.lowest_m...);
-      v(Field{"highest_m", "m", -10, 10, "commands may go up to it"}, p.highest_m...);
-      v(Field{"speed_mps", "m/s", 1e-4, 100, "largest speed of a commanded move"}, p.speed_mps...);
-      v(Field{"acceleration_mps2", "m/s2", 1e-3, 1e5, "largest acceleration of a commanded move"},
-        p.acceleration_mps2...);
-      v(degree, p.smoothness...);
-      break;
+    case ReferenceKind::live: visit_live(v, p...), v(degree, p.smoothness...); break;
   }
 }
 

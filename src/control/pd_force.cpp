@@ -13,6 +13,9 @@ namespace {
 
 constexpr double no_measurement = std::numeric_limits<double>::quiet_NaN();
 
+/// From 0 to 1 with level ends.
+constexpr double smooth_step(double z) noexcept { return z * z * (3.0 - 2.0 * z); }
+
 /// FNV-1a over the reference and the pass' command.
 std::uint64_t move_identity(const LawSetup& setup) noexcept {
   std::uint64_t hash = 0xcbf29ce484222325;
@@ -32,6 +35,8 @@ void PdForce::configure(const PdForceParameters& parameters, const AxisParameter
                         double period_s) noexcept {
   parameters_ = parameters;
   pass_.reset();
+  takes_passes_ = false;
+  fade_ticks_ = std::max<std::int64_t>(std::llround(pass_fade_s / period_s), 1);
   move_ = {};
   feedforward_ = FlowFeedforward(axis);
   compensation_ = DeadBandAndPlayCompensation(axis.effects.valve);
@@ -49,10 +54,13 @@ void PdForce::configure(const PdForceParameters& parameters, const AxisParameter
 void PdForce::configure(const PdForceParameters& parameters, const LawSetup& setup) {
   configure(parameters, setup.axis, setup.period_s);
   if (!parameters.wants_pass()) return;
-  if (!setup.pass || setup.pass->rows.empty())
+  if (!setup.pass)
     throw std::invalid_argument(
         "controller.flow_feedforward: found pass, but no command pass was made of the reference");
-  pass_ = std::make_shared<const std::vector<PassTick>>(pass_ticks(setup));
+  takes_passes_ = true;
+  if (setup.pass->rows.empty()) return;
+  pass_ = std::make_shared<const std::vector<PassTick>>(pass_ticks(*setup.pass, setup.reference));
+  followed_ = *pass_;
   if (!parameters.learns() || setup.pass->response_m_per_V.empty()) return;
   move_ = RepeatedMove(setup.pass->response_m_per_V, learning_window(setup, pass_->size()), setup.period_s,
                        parameters.learned_command_max_V, move_identity(setup));
@@ -76,14 +84,14 @@ std::vector<double> PdForce::learning_window(const LawSetup& setup, std::size_t 
 
 // On the reference the position loop asks for what its filter and the sensors make of it; the force that shows there
 // less that is what the law asks for beside the position loop.
-std::vector<PdForce::PassTick> PdForce::pass_ticks(const LawSetup& setup) const {
+std::vector<PassTick> PdForce::pass_ticks(const PassTable& pass, const Reference& reference) const {
   std::vector<PassTick> ticks;
-  ticks.reserve(setup.pass->rows.size());
-  double v_mps = 0.0, previous_x_m = setup.pass->rows.front().x_m;
+  ticks.reserve(pass.rows.size());
+  double v_mps = 0.0, previous_x_m = pass.rows.front().x_m;
   PdForceState seen;
-  for (const PassRow& row : setup.pass->rows) {
+  for (const PassRow& row : pass.rows) {
     const double t_s = static_cast<double>(ticks.size()) * period_s_;
-    const ReferencePoint now = setup.reference.at(t_s), ahead = setup.reference.at(t_s + lead_s());
+    const ReferencePoint now = reference.at(t_s), ahead = reference.at(t_s + lead_s());
     v_mps += filter_gain_ * ((row.x_m - previous_x_m) / period_s_ - v_mps);
     previous_x_m = row.x_m;
     const double asked_N = parameters_.position_gain_N_per_m * (now.d[0] - row.x_m) +
@@ -101,6 +109,8 @@ void PdForce::reset(double previous_command_V) noexcept {
   limiter_.reset(previous_command_V);
   state_.u_V = limiter_.previous_V();
   state_.asked = compensation_.at(state_.u_V);
+  followed_ = pass_ ? std::span<const PassTick>(*pass_) : std::span<const PassTick>();
+  followed_from_ = fade_left_ = 0;
   periods_ = 1.0;
   first_ = true;
 }
@@ -149,16 +159,28 @@ void PdForce::take_terms(const ControlInput& in, PdForceState& s) const noexcept
 // needs the measured one for what differs from it.
 void PdForce::feed_forward(const ControlInput& in, PdForceState& s) const noexcept {
   s.F_ref_N += feedforward_.motion_force_N(in.now);
-  const double supply_Pa = pass_ ? in.supply_Pa : no_measurement;
+  const double supply_Pa = takes_passes_ ? in.supply_Pa : no_measurement;
   s.u_feedforward_V = feedforward_.command_V(in.ahead, in.pressure_Pa[0], in.pressure_Pa[1], supply_Pa);
-  if (!pass_) return;
-  const auto last = static_cast<std::int64_t>(pass_->size()) - 1;
-  const PassTick& tick = (*pass_)[static_cast<std::size_t>(std::clamp<std::int64_t>(in.tick, 0, last))];
-  s.u_pass_V = tick.u_V;
-  s.F_pass_N = tick.F_N;
+  if (!takes_passes_) return;
+  take_pass(in.tick, s);
   s.u_learned_V = move_.command_V(in.tick);
-  s.F_ref_N += tick.F_N - tick.motion_N;
-  s.u_feedforward_V += tick.u_V - tick.formula_V + s.u_learned_V;
+  s.F_ref_N += s.pass.F_N;
+  s.u_feedforward_V += s.pass.u_V + s.u_learned_V;
+}
+
+void PdForce::take_pass(std::int64_t tick, PdForceState& s) const noexcept {
+  PassTick now;
+  if (!followed_.empty()) {
+    const auto last = static_cast<std::int64_t>(followed_.size()) - 1;
+    now = followed_[static_cast<std::size_t>(std::clamp<std::int64_t>(tick - followed_from_, 0, last))];
+  }
+  s.u_pass_V = now.u_V;
+  s.F_pass_N = now.F_N;
+  s.pass = {now.u_V - now.formula_V, now.F_N - now.motion_N};
+  if (fade_left_ == 0) return;
+  const double share = smooth_step(static_cast<double>(fade_left_) / static_cast<double>(fade_ticks_));
+  s.pass.u_V += share * (faded_.u_V - s.pass.u_V);
+  s.pass.F_N += share * (faded_.F_N - s.pass.F_N);
 }
 
 // In place: a copy made of terms that were just written waits until their bytes have left the processor.
@@ -193,6 +215,7 @@ double PdForce::update(const ControlInput& in) noexcept {
   s.limit = result.limit;
   s.fault = controller_healthy;
   move_.note(in.tick, s.e_m);
+  if (fade_left_ > 0) --fade_left_;
   previous_x_m_ = in.x_m;
   periods_ = 1.0;
   first_ = false;

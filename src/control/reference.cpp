@@ -2,7 +2,9 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
+#include <pneuservo/control/live_planner.hpp>
 #include <pneuservo/control/reference.hpp>
 
 namespace pneuservo {
@@ -93,7 +95,11 @@ void Reference::add(const Oscillation& oscillation, double t_s, Derivatives& d) 
   d[0] += oscillation.center_m;
 }
 
+Reference::Reference(std::shared_ptr<const LivePlanner> planned)
+    : planned_(std::move(planned)), end_s_(static_cast<double>(planned_->end_tick()) * planned_->period_s()) {}
+
 ReferencePoint Reference::at(double t_s) const noexcept {
+  if (planned_) return planned_->at(0, t_s / planned_->period_s());
   ReferencePoint point;
   for (const Track& track : tracks_) {
     Derivatives d;

@@ -43,41 +43,66 @@ void require_samples(const std::vector<double>& times_s, const std::vector<doubl
 }
 }  // namespace
 
+namespace {
+
+/// Commanded moves one after the other, as a sum of moves.
+class LiveMoves {
+ public:
+  explicit LiveMoves(const ReferenceSpec& live) : live_(live), ramp_s_(LivePlanner::transition_s(live_limits(live))) {
+    moves_.kind = ReferenceKind::sum;
+  }
+  /// At the largest speed; the next one begins `takes_s` later.
+  void go(double from_m, double to_m, double takes_s) {
+    ReferenceSpec part;
+    part.kind = ReferenceKind::cruise;
+    part.start_m = from_m;
+    part.end_m = to_m;
+    part.speed_mps = live_.speed_mps;
+    part.ramp_s = ramp_s_;
+    part.smoothness = live_.smoothness;
+    part.start_s = begin_s_;
+    moves_.parts.push_back(part);
+    begin_s_ += takes_s;
+  }
+  /// Over the whole range.
+  double widest_s() const { return (live_.highest_m - live_.lowest_m) / live_.speed_mps + ramp_s_; }
+  double ramp_s() const { return ramp_s_; }
+  const ReferenceSpec& moves() const { return moves_; }
+
+ private:
+  const ReferenceSpec& live_;
+  double ramp_s_, begin_s_ = live_rest_s;
+  ReferenceSpec moves_;
+};
+
+}  // namespace
+
 ReferenceSpec live_trial(const ReferenceSpec& live) {
-  constexpr double rest_s = 0.5;
   require_finite({{"lowest_m", live.lowest_m}, {"highest_m", live.highest_m}});
   require_degree(live.smoothness);
   require(live.speed_mps > 0.0 && live.acceleration_mps2 > 0.0,
           fmt::format("speed_mps is {} and acceleration_mps2 {}, expected more than 0", live.speed_mps,
                       live.acceleration_mps2));
-  const double ramp_s = LivePlanner::transition_s(live_limits(live)), range_m = live.highest_m - live.lowest_m;
-  const double reached_m = ramp_s * live.speed_mps;
+  LiveMoves trial(live);
+  const double range_m = live.highest_m - live.lowest_m, reached_m = trial.ramp_s() * live.speed_mps;
   require(
       range_m >= reached_m,
       fmt::format("between lowest_m {:.6g} and highest_m {:.6g} speed_mps {} is not reached with acceleration_mps2 {}, "
                   "expected at least {:.4g} m between them, more acceleration or less speed",
                   live.lowest_m, live.highest_m, live.speed_mps, live.acceleration_mps2, reached_m));
-  ReferenceSpec trial;
-  trial.kind = ReferenceKind::sum;
-  const double widest_s = range_m / live.speed_mps + ramp_s, shortest_s = 2.0 * ramp_s;
-  double begin_s = rest_s;
-  const auto go = [&](double from_m, double to_m, double takes_s) {
-    ReferenceSpec part;
-    part.kind = ReferenceKind::cruise;
-    part.start_m = from_m;
-    part.end_m = to_m;
-    part.speed_mps = live.speed_mps;
-    part.ramp_s = ramp_s;
-    part.smoothness = live.smoothness;
-    part.start_s = begin_s;
-    trial.parts.push_back(part);
-    begin_s += takes_s;
-  };
-  go(live.lowest_m, live.highest_m, widest_s);
-  go(0.0, -range_m, widest_s + rest_s);
-  go(0.0, reached_m * (1.0 + 1e-12), shortest_s);
-  go(0.0, -reached_m * (1.0 + 1e-12), shortest_s);
-  return trial;
+  const double shortest_s = 2.0 * trial.ramp_s();
+  trial.go(live.lowest_m, live.highest_m, trial.widest_s());
+  trial.go(0.0, -range_m, trial.widest_s() + live_rest_s);
+  trial.go(0.0, reached_m * (1.0 + 1e-12), shortest_s);
+  trial.go(0.0, -reached_m * (1.0 + 1e-12), shortest_s);
+  return trial.moves();
+}
+
+ReferenceSpec live_moves(const ReferenceSpec& live) {
+  LiveMoves moves(live);
+  moves.go(live.lowest_m, live.highest_m, moves.widest_s() + live_rest_s);
+  moves.go(0.0, live.lowest_m - live.highest_m, 0.0);
+  return moves.moves();
 }
 
 /// Appends to a reference; each function checks its own part of the description.

@@ -176,16 +176,35 @@ void predict_after(Improvement& out, const StopQuestion& stop) {
 }
 
 void predict(Improvement& out, const StopQuestion& stop) {
-  if (out.configured.reference.kind == ReferenceKind::live) {
-    out.without_pass = "reference.kind is live, and a pass needs a reference that is known beforehand";
-    return;
-  }
   if (out.calls.back().verdict == Verdict::unknown)
     out.warnings.emplace_back(
         "the last call leaves something that no name explains; the prediction knows nothing of it");
   out.before = predicted_before(out);
   look_for_stop(stop);
   predict_after(out, stop);
+}
+
+/// What is commanded at run time is predicted by two moves, whose passes are those that the loop makes.
+void predict_commanded(Improvement& out, const StopQuestion& stop) {
+  const Rig as_it_was = out.configured;
+  for (Rig* rig : {&out.configured, &out.improved}) {
+    rig->reference = live_moves(as_it_was.reference);
+    rig->duration_s = Reference(rig->reference).end_s() + live_rest_s;
+  }
+  const auto restore = [&] {
+    out.configured = as_it_was;
+    out.improved.reference = as_it_was.reference;
+    out.improved.duration_s = as_it_was.duration_s;
+    PdForceParameters& law = out.improved.controller.of<PdForce>();
+    if (law.wants_pass()) law.without_pass = WithoutPass::formula;
+  };
+  try {
+    predict(out, stop);
+  } catch (const DiagnosisStopped&) {
+    restore();
+    throw;
+  }
+  restore();
 }
 
 }  // namespace
@@ -207,7 +226,8 @@ Improvement improve(const std::string& config, const Rig& rig, const std::vector
     diagnose_while_it_gains(recordings, options, out);
     look_for_stop(options.stop);
     if (options.progress) options.progress(1.0, "command pass and prediction");
-    predict(out, options.stop);
+    if (rig.reference.kind == ReferenceKind::live) predict_commanded(out, options.stop);
+    else predict(out, options.stop);
   } catch (const DiagnosisStopped&) {
     if (out.calls.empty()) throw;
     out.stopped = true;

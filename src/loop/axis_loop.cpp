@@ -6,6 +6,7 @@
 
 #include "loop/motion_limits.hpp"
 #include "pass/command_pass.hpp"
+#include "pass/move_pass.hpp"
 
 namespace pneuservo {
 namespace {
@@ -32,6 +33,9 @@ constexpr bool terms_have_columns() {
 static_assert(terms_have_columns(), "a law has more terms than Row::most_terms, or one with the name of a column");
 
 }  // namespace
+
+AxisLoop::AxisLoop() = default;
+AxisLoop::~AxisLoop() = default;
 
 EstimatorParameters estimator_parameters(const Rig& rig) {
   EstimatorParameters p;
@@ -68,8 +72,8 @@ void AxisLoop::configure(const Rig& wanted, const LoadPositions& load) {
   reference_ = Reference(rig.reference, load);
   PassTables pass = pass_or_formula(rig, reference_).tables;
   controller_.configure(rig.controller, rig.axis, rig.period_s, reference_, rig.duration_s, std::move(pass.law));
-  if (rig.reference.kind == ReferenceKind::live)
-    desk_.configure(live_limits(rig.reference), rig.period_s, controller_.lead_s());
+  pass_maker_.reset();
+  if (rig.reference.kind == ReferenceKind::live) configure_desk(rig);
   source_ = controller_.pressure_source();
   tolerance_m_ =
       std::min(approach_tolerance_m, approach_quanta * (rig.sensors.position.quantum_m + rig.sensors.position.noise_m));
@@ -84,7 +88,26 @@ void AxisLoop::configure(const Rig& wanted, const LoadPositions& load) {
   rearm();
 }
 
+void AxisLoop::configure_desk(const Rig& rig) {
+  const bool has_passes = rig.controller.wants_pass();
+  desk_.configure(live_limits(rig.reference), rig.period_s, controller_.lead_s(),
+                  has_passes ? rig.reference.pass_within_s : 0.0);
+  if (has_passes) pass_maker_ = std::make_unique<MovePassMaker>(rig);
+}
+
+std::string AxisLoop::make_pass() {
+  MovePassRequest request;
+  if (!pass_maker_ || !move_passes_.take_request(request)) return {};
+  const std::uint64_t number = request.move.number;
+  MovePass& pass = move_passes_.draft();
+  pass.number = number;
+  std::string why = pass_maker_->make(request, pass, [&] { return move_passes_.is_awaited(number); });
+  move_passes_.post_draft();
+  return why;
+}
+
 void AxisLoop::rearm() noexcept {
+  waits_for_pass_ = follows_pass_ = pass_begins_ = false;
   may_move_still_ = supervisor_.has_moved();
   stood_at_m_ = Row::none;
   stood_s_ = 0.0;
@@ -147,6 +170,7 @@ std::array<double, 2> AxisLoop::control(std::int64_t tick, const JudgedInputs& i
   in.supply_Pa = inputs.supply_Pa;
   in.now = now_;
   in.tick = std::llround((t_s - reference_start_s_) / period_s_);
+  if (pass_maker_) follow_passes(tick);
   if (twin_waits_) twin_.start(in.x_m, in.pressure_Pa, supervisor_.command_V());
   else if (skipped > 0) twin_.hold(std::min<std::int64_t>(skipped, most_held_periods));
   twin_waits_ = false;
@@ -161,6 +185,29 @@ std::array<double, 2> AxisLoop::control(std::int64_t tick, const JudgedInputs& i
   supervisor_.check_motion({motion_sample(in, skipped), out.finite && within, usable});
   for (double& command_V : out.command_V) command_V = std::clamp(command_V, -most_V, most_V);
   return out.command_V;
+}
+
+// Another plan ends what the last pass gives, and one from rest gets a pass of its own before it begins.
+void AxisLoop::follow_passes(std::int64_t tick) noexcept {
+  const PlannedMove& move = desk_.motion().planned();
+  pass_begins_ = false;
+  const auto follow = [&](const MovePass* pass, std::int64_t from) {
+    const bool is_change = pass != nullptr || follows_pass_;
+    follows_pass_ = pass != nullptr;
+    if (!is_change) return;
+    controller_.follow_pass(pass != nullptr ? std::span(pass->law) : std::span<const PassTick>(), from);
+    twin_.follow_pass(pass != nullptr ? std::span(pass->prediction) : std::span<const PassTick>(), from);
+  };
+  if (move.number != planned_) {
+    planned_ = move.number;
+    waits_for_pass_ = move.from_rest;
+    if (move.from_rest) move_passes_.request({move, control_in_.pressure_Pa[0]});
+    else follow(nullptr, 0);
+  }
+  if (!waits_for_pass_ || tick < move.begin_tick) return;
+  waits_for_pass_ = false;
+  follow(move_passes_.take(move.number), control_in_.tick - (tick - move.begin_tick));
+  pass_begins_ = follows_pass_;
 }
 
 // The prediction begins at rest: an axis that still moves, or was seen moving while a channel was waited for, is not
@@ -213,6 +260,7 @@ void AxisLoop::tell_status(std::int64_t tick) noexcept {
   desk_.tell(tick, supervisor_,
              {.t_s = row_.t_s,
               .proven = supervisor_.motion().proven(),
+              .follows_pass = follows_pass_,
               .measured = told_readings(),
               .v_mps = row_.v_mps,
               .set_point = row_.x_ref_m,

@@ -50,7 +50,7 @@ std::vector<std::string> replayed_columns(ControllerKind law) {
 }
 
 ReplayResult replay_loop(const Rig& rig, Backend& backend, const std::vector<std::int64_t>& ticks,
-                         const std::vector<bool>& dropped_before, int moves, const LoadPositions& load,
+                         const std::vector<std::uint32_t>& flags, int moves, const LoadPositions& load,
                          const std::vector<std::pair<std::string, const std::vector<double>*>>& recorded,
                          const std::vector<Ppd2GainSet>& gains, const std::vector<AxisCommand>& commands,
                          const LoadLearned& learned) {
@@ -67,13 +67,14 @@ ReplayResult replay_loop(const Rig& rig, Backend& backend, const std::vector<std
   Course course(rig, moves, 0);
   result.rows.reserve(ticks.size());
   for (std::size_t i = 0; i < ticks.size(); ++i) {
-    if (dropped_before[i]) {
+    if ((flags[i] & row_dropped_before) != 0) {
       result.end = fmt::format("rows were dropped before row {}, and what the loop knew there is lost", i);
       break;
     }
     const std::int64_t skipped = i == 0 ? 0 : ticks[i] - ticks[i - 1] - 1;
     if (i < gains.size()) mailbox.post(gains[i]);
     if (i < commands.size() && commands[i].kind != CommandKind::none) link->commands.push(commands[i]);
+    if ((flags[i] & row_pass_begins) != 0 && loop.pass_due()) loop.make_pass();  // as it was ready then
     if (!loop.pass(backend, ticks[i], skipped, nullptr, nullptr)) {
       result.end = fmt::format("the loop ended in row {}", i);
       break;

@@ -35,12 +35,12 @@ struct ReplayResult {
 /// Columns that the loop computes, in the order in which a difference would arise.
 std::vector<std::string> replayed_columns(ControllerKind law);
 
-/// `ticks[i]` is the tick of the recording's row i; `recorded(name)` its column or null. `moves` as in the run.
-/// `commands[i]` is what a commanded axis obeyed in row i; none: it runs its reference.
+/// `ticks[i]` is the tick of the recording's row i, `flags[i]` its RowFlag bits; `recorded(name)` its column or null.
+/// `moves` as in the run. `commands[i]` is what a commanded axis obeyed in row i; none: it runs its reference.
 /// `learned`: what the run began with, where the law learns a move.
 /// Rows after dropped ones start from another state: the comparison ends there, `compared_rows` says where.
 ReplayResult replay_loop(const Rig& rig, Backend& backend, const std::vector<std::int64_t>& ticks,
-                         const std::vector<bool>& dropped_before, int moves, const LoadPositions& load,
+                         const std::vector<std::uint32_t>& flags, int moves, const LoadPositions& load,
                          const std::vector<std::pair<std::string, const std::vector<double>*>>& recorded,
                          const std::vector<Ppd2GainSet>& gains = {}, const std::vector<AxisCommand>& commands = {},
                          const LoadLearned& learned = {});

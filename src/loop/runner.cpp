@@ -38,6 +38,10 @@ void note_fault(const RunSettings& settings, const Course& course, const Control
     settings.fault_watch->note(loop.first_faults(), loop.row().t_s);
 }
 
+void say_why(const RunSettings& settings, const std::string& why) {
+  if (!why.empty() && settings.say) settings.say(why);
+}
+
 void run_simulated(const Rig& rig, ControlLoop& loop, Backend& backend, const RunSettings& settings, Course& course,
                    RunOutcome& out) {
   const auto pass = [&](std::int64_t tick, std::int64_t skipped) noexcept {
@@ -64,6 +68,7 @@ void run_simulated(const Rig& rig, ControlLoop& loop, Backend& backend, const Ru
     note_fault(settings, course, loop, tick);
     if (!goes_on) break;
     if (loop.learning_due()) loop.learn(rig.axis);
+    if (loop.pass_due()) say_why(settings, loop.make_pass());
   }
   out.stopped_by_signal = StopRequest::requested();
   loop.stop(backend, tick + 1);
@@ -120,15 +125,17 @@ bool real_tick(ControlLoop& loop, Backend& backend, const RunSettings& settings,
   return goes_on;
 }
 
-/// Learns from finished moves beside the loop; that is too long for a tick. The reference waits for it.
+/// Learns from finished moves, and makes the passes of commanded ones, beside the loop: that is too long for a tick.
+/// The reference, or the move, waits for it.
 class Learner {
  public:
-  Learner(const Rig& rig, ControlLoop& loop) {
-    if (!loop.controller().learns()) return;
-    thread_ = std::jthread([&rig, &loop](const std::stop_token& ends) {
+  Learner(const Rig& rig, ControlLoop& loop, const RunSettings& settings) {
+    if (!loop.controller().learns() && !loop.makes_passes()) return;
+    thread_ = std::jthread([&rig, &loop, &settings](const std::stop_token& ends) {
       become_ordinary_thread("learning");
       while (!ends.stop_requested()) {
         if (loop.learning_due()) loop.learn(rig.axis);
+        if (loop.pass_due()) say_why(settings, loop.make_pass());
         std::this_thread::sleep_for(std::chrono::milliseconds(2));
       }
     });
@@ -176,7 +183,7 @@ void await_readback(ControlLoop& loop, Backend& backend, std::int64_t tick, std:
 
 void run_real(const Rig& rig, ControlLoop& loop, Backend& backend, const RunSettings& settings, Course& course,
               RunOutcome& out) {
-  const Learner learner(rig, loop);
+  const Learner learner(rig, loop, settings);
   const double period_s = rig.period_s;
   out.timing = std::make_unique<LoopTiming>();
   LoopTiming& timing = *out.timing;

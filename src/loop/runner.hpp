@@ -56,6 +56,7 @@ struct RunSettings {
   LoadLearned learned{};
   GainMailbox* gains = nullptr;  ///< gains for the running loop come from here
   CommandLink* commands = nullptr;  ///< whoever commands the axis; its reference is not run then
+  std::function<void(const std::string&)> say{};  ///< why a commanded move has no pass; from another thread
   std::vector<LateTick> late{};  ///< injected: the loop comes so late, in order of their ticks
   std::vector<Suspend> suspends{};  ///< injected
   std::function<void(double fraction)> progress{};  ///< called between ticks in simulated time only

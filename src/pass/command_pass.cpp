@@ -76,7 +76,7 @@ void judge(const Rig& rig, const std::vector<double>& slow_left_N, CommandPass& 
 }
 
 /// A round of all stages from the axis' last run on; counts the runs. Leaves the axis' last run at the best command.
-void learn(LedAxis& axis, const PassMotion& motion, ForceLearning& learning, std::size_t& runs) {
+void learn(LedAxis& axis, const PassMotion& motion, ForceLearning& learning, const GoesOn& goes_on, std::size_t& runs) {
   std::vector<double> command_V = asked_of(axis.ticks()), best_V = command_V;
   double best_N = std::numeric_limits<double>::infinity();
   const auto left_by = [&](const std::vector<double>& command) {
@@ -87,7 +87,10 @@ void learn(LedAxis& axis, const PassMotion& motion, ForceLearning& learning, std
   };
   for (const Stage& stage : stages) {
     learning.begin_stage(stage.cut_off_Hz);
-    for (int i = 0; i < stage.runs; ++i) command_V = learning.next(command_V, left_by(command_V));
+    for (int i = 0; i < stage.runs; ++i) {
+      if (goes_on && !goes_on()) return;
+      command_V = learning.next(command_V, left_by(command_V));
+    }
   }
   left_by(command_V);
   left_by(best_V);
@@ -160,9 +163,9 @@ std::shared_ptr<PassTable> CommandPass::table(const Rig& rig, bool by_estimator)
   return table;
 }
 
-CommandPass make_command_pass(const Rig& rig, const Reference& reference, const MotionScale& scale) {
-  if (rig.valves() != 1 || rig.reference.kind == ReferenceKind::live)
-    throw std::invalid_argument("a command pass: expected a five-port valve and a reference that is known beforehand");
+CommandPass make_command_pass(const Rig& rig, const Reference& reference, const MotionScale& scale,
+                              const GoesOn& goes_on) {
+  if (rig.valves() != 1) throw std::invalid_argument("a command pass: expected a five-port valve");
   if (const double ticks = rig.duration_s / rig.period_s; ticks > static_cast<double>(most_pass_ticks))
     throw std::invalid_argument(fmt::format(
         "a command pass: found a run of {:.0f} periods, expected at most {} (duration_s)", ticks, most_pass_ticks));
@@ -178,7 +181,8 @@ CommandPass make_command_pass(const Rig& rig, const Reference& reference, const 
     return std::pair{begin, begin + static_cast<std::ptrdiff_t>(motion.used())};
   };
   for (int round = 0; round < most_rounds && !pass.feasible && !(pass.limited_share > 0.0); ++round) {
-    learn(axis, motion, learning, pass.runs);
+    learn(axis, motion, learning, goes_on, pass.runs);
+    if (goes_on && !goes_on()) break;
     const std::vector<double> slow_N = learning.below(judged_Hz, left_of(axis.ticks(), motion));
     pass.before.assign(axis.ticks().begin(), used(axis.ticks()).first);
     pass.ticks.assign(used(axis.ticks()).first, used(axis.ticks()).second);
@@ -249,22 +253,27 @@ std::string unfollowed_words(const Rig& rig, const Reference& reference, const C
                      1e3 * by_pass_m, 1e3 * by_formula_m);
 }
 
-std::string refusal_words(const Rig& rig, const Reference& reference, const CommandPass& pass) {
-  const auto feasible = [&](const MotionScale& scale) { return make_command_pass(rig, reference, scale).feasible; };
-  const double speed = largest_share([&](double share) { return feasible({.speed = share}); });
-  const double size = largest_share([&](double share) { return feasible({.size = share}); });
+std::string missing_words(const Rig& rig, const CommandPass& pass) {
   std::string found = fmt::format("{:.2g} N of the force are missing", pass.left_N);
   if (pass.limited_share > 0.0)
     found = fmt::format("the command is at its limit of {:g} V for {:.2g} % of the time and {}",
                         rig.axis.valve.command_max_V, 100.0 * pass.limited_share, found);
+  return "the lines cannot carry the reference: " + found;
+}
+
+std::string refusal_words(const Rig& rig, const Reference& reference, const CommandPass& pass) {
+  const auto feasible = [&](const MotionScale& scale) { return make_command_pass(rig, reference, scale).feasible; };
+  const double speed = largest_share([&](double share) { return feasible({.speed = share}); });
+  const double size = largest_share([&](double share) { return feasible({.size = share}); });
   const std::string instead = speed > 0.0 && size > 0.0
                                   ? fmt::format("at {:.2f} of its speed or {:.2f} of its way they can", speed, size)
                                   : std::string("at a sixteenth of its speed or way they cannot either");
-  return fmt::format("the lines cannot carry the reference: {}; {}", found, instead);
+  return missing_words(rig, pass) + "; " + instead;
 }
 
 PassTables pass_tables(const Rig& rig, const Reference& reference) {
   if (!rig.controller.wants_pass()) return {};
+  if (rig.reference.kind == ReferenceKind::live) return {std::make_shared<PassTable>(), std::make_shared<PassTable>()};
   const CommandPass pass = make_command_pass(rig, reference);
   if (!pass.feasible)
     throw std::invalid_argument(fmt::format(
@@ -291,6 +300,10 @@ PassOrFormula pass_or_formula(Rig& rig, const Reference& reference) {
 
 std::string heed_missing_pass(const std::string& config, Rig& rig, const LoadPositions& load) {
   if (!rig.controller.wants_pass()) return "";
+  if (rig.reference.kind == ReferenceKind::live) {
+    rig.controller.of<PdForce>().flow_feedforward = FeedforwardSource::formula;
+    return "reference.kind live: a pass is made for each move of an axis that is served, not for the trial motion";
+  }
   try {
     return pass_or_formula(rig, Reference(rig.reference, load)).why;
   } catch (const std::invalid_argument& error) { throw InputError(config + ": " + error.what()); }

@@ -1,6 +1,7 @@
 // The command pass: the command along a known reference, learned on the config's own model
 // (docs/physics/command_pass.md).
 #pragma once
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -37,12 +38,18 @@ inline constexpr double judged_Hz = 12.0;
 /// Longer runs are refused: so many periods are learned within some seconds, which no signal ends.
 inline constexpr std::size_t most_pass_ticks = 60'000;
 
-/// Learns along the whole reference, or along a slower or smaller one. Cold: some 20 runs of the model. Throws
-/// std::invalid_argument for a rig without a five-port valve and for a reference of kind `live`.
-CommandPass make_command_pass(const Rig& rig, const Reference& reference, const MotionScale& scale = {});
+/// Asked before each run of the model; false: nobody waits any more.
+using GoesOn = std::function<bool()>;
 
-/// What of the reference is not feasible and what the lines can do instead; a sentence without its full stop. Cold:
-/// eight passes.
+/// Learns along the whole reference, or along a slower or smaller one; not feasible where it shall not go on. Cold:
+/// some 20 runs of the model. Throws std::invalid_argument for a rig without a five-port valve and for a run that is
+/// too long.
+CommandPass make_command_pass(const Rig& rig, const Reference& reference, const MotionScale& scale = {},
+                              const GoesOn& goes_on = {});
+
+/// What of the reference is not feasible; a sentence without its full stop.
+std::string missing_words(const Rig& rig, const CommandPass& pass);
+/// The same and what the lines can do instead. Cold: eight passes.
 std::string refusal_words(const Rig& rig, const Reference& reference, const CommandPass& pass);
 
 /// Position [m/V] in the ticks after one more volt for a period, in the closed loop of the config at rest at the
@@ -50,7 +57,8 @@ std::string refusal_words(const Rig& rig, const Reference& reference, const Comm
 /// of the model.
 std::vector<double> closed_loop_response_m_per_V(const Rig& rig, const Reference& reference, const CommandPass& pass);
 
-/// The tables for a loop and for its prediction; null where the law asks for none.
+/// The tables for a loop and for its prediction; null where the law asks for none, without rows where they come with
+/// the moves (reference of kind `live`).
 struct PassTables {
   std::shared_ptr<const PassTable> law, prediction;
 };

@@ -1,9 +1,11 @@
 // The verb check: grades the machine for running in real time and, where one is named, a config.
 #include <algorithm>
+#include <chrono>
 #include <iostream>
 #include <memory>
 #include <string>
 
+#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "can/bus_interface.hpp"
@@ -16,6 +18,7 @@
 #include "loop/rig_grade.hpp"
 #include "loop/safety_grade.hpp"
 #include "pass/command_pass.hpp"
+#include "pass/move_pass.hpp"
 #include "program/loop_check.hpp"
 #include "program/output_files.hpp"
 #include "program/rig_options.hpp"
@@ -32,8 +35,29 @@ struct CheckOptions {
   RealTimeSettings session;
 };
 
+/// The pass of the longest move at full speed, and how long it takes here.
+std::vector<Finding> grade_move_passes(const Rig& rig) {
+  const ReferenceSpec& live = rig.reference;
+  MovePassMaker maker(rig);
+  MovePass pass;
+  const auto begin = std::chrono::steady_clock::now();
+  const std::string why =
+      maker.make({{1, true, 0, live.lowest_m, live.highest_m, live.speed_mps}, rig.initial.pressure_1_Pa}, pass,
+                 [] { return true; });
+  const std::chrono::duration<double> took = std::chrono::steady_clock::now() - begin;
+  if (!why.empty())
+    return {{FindingLevel::acceptable, "command pass", why, "state less reference.speed_mps or acceleration_mps2"}};
+  const std::string found = fmt::format("that of a move over the whole range takes {:.2g} s here, within {:g} s "
+                                        "(reference.pass_within_s)",
+                                        took.count(), live.pass_within_s);
+  if (took.count() < live.pass_within_s) return {{FindingLevel::good, "command pass", found, ""}};
+  return {{FindingLevel::acceptable, "command pass", found + ": it goes by the formula",
+           "state a longer reference.pass_within_s"}};
+}
+
 /// What a run does where no pass can be made and the config goes on with the formula.
 std::vector<Finding> grade_pass(const std::string& path, Rig& rig) {
+  if (rig.controller.wants_pass() && rig.reference.kind == ReferenceKind::live) return grade_move_passes(rig);
   try {
     const std::string why = heed_missing_pass(path, rig, load_reference_positions);
     if (!why.empty())

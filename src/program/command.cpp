@@ -137,13 +137,15 @@ void show_status(const Json& status, const CommandedQuantity& quantity, bool jso
   std::cout << (json ? status.dump() : status_text(status, quantity)) << std::endl;
 }
 
-/// Until `done(status)`; false: a fault, or the axis is not active any more.
-template <class Done> bool wait_until(CommandClient& client, const Done& done, Json& status) {
+/// Until `done(status)` of a tick at `since_s` or later; false: a fault, or the axis is not active any more. The answer
+/// to a command comes before the status of its tick.
+template <class Done> bool wait_until(CommandClient& client, double since_s, const Done& done, Json& status) {
   constexpr std::chrono::milliseconds between{20};
   while (!StopRequest::requested()) {
     status = client.ask({{"command", "status"}})["status"];
-    if (done(status)) return true;
-    if (!status["faults"].empty() || status["state"] == "safe_stop") return false;
+    const bool is_new = status["t_s"].get<double>() >= since_s;
+    if (is_new && done(status)) return true;
+    if (is_new && (!status["faults"].empty() || status["state"] == "safe_stop")) return false;
     std::this_thread::sleep_for(between);
   }
   return false;
@@ -185,12 +187,14 @@ int command(const CommandOptions& options) {
   }
   Json status;
   bool good = true;
+  const double since_s = answer["t_s"].get<double>();
   if (place->word == "enable")
-    good = wait_until(
-               client, [](const Json& s) { return s["state"] == "active" || s["enabled"] == false; }, status) &&
-           status["state"] == "active";
+    good =
+        wait_until(
+            client, since_s, [](const Json& s) { return s["state"] == "active" || s["enabled"] == false; }, status) &&
+        status["state"] == "active";
   if (options.wait && place->is_motion)
-    good = wait_until(client, [](const Json& s) { return s["moving"] == false; }, status);
+    good = wait_until(client, since_s, [](const Json& s) { return s["moving"] == false; }, status);
   client.ask({{"command", "release"}});
   if (options.json) std::cout << answer.dump() << "\n";
   else if (place->is_motion)

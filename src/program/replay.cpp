@@ -114,17 +114,17 @@ ReplayResult replay_rows(const Rig& rig, ReplayBackend& backend, int moves, cons
                          const std::string& learned_path) {
   const Recording& data = backend.recording();
   std::vector<std::int64_t> ticks;
-  std::vector<bool> dropped;
-  const std::vector<double>* flags = data.has("flags") ? &data.column("flags") : nullptr;
+  std::vector<std::uint32_t> flags;
+  const std::vector<double>* recorded_flags = data.has("flags") ? &data.column("flags") : nullptr;
   for (std::size_t i = 0; i < backend.rows(); ++i) {
     ticks.push_back(backend.tick(i));
-    dropped.push_back(flags != nullptr && (whole_number((*flags)[i]) & row_dropped_before) != 0);
+    flags.push_back(recorded_flags != nullptr ? whole_number((*recorded_flags)[i]) : 0);
   }
   backend.configure();
   backend.activate();
   LoadLearned learned;
   if (!learned_path.empty()) learned = [&](const RepeatedMove& move) { return read_learned_move(learned_path, move); };
-  ReplayResult result = replay_loop(rig, backend, ticks, dropped, moves, load_reference_positions, recorded,
+  ReplayResult result = replay_loop(rig, backend, ticks, flags, moves, load_reference_positions, recorded,
                                     gains_of(data), commands_of(data, moves, rig.controls_pressure()), learned);
   backend.deactivate();
   return result;

@@ -123,7 +123,8 @@ int serve(const ServeOptions& options) {
   const auto link = std::make_unique<CommandLink>();
   const std::filesystem::path socket = socket_of(options);
   const auto drive = rig.serve->drive ? std::make_unique<ServedDrive>(rig) : nullptr;
-  CommandServer server(rig, socket, *link, series.get(), [](const std::string& line) { std::cerr << line + "\n"; });
+  const auto say = [](const std::string& line) { std::cerr << line + "\n"; };
+  CommandServer server(rig, socket, *link, series.get(), say);
   const auto writer =
       open_recording(rig, *backend, machine_facts(session ? &session->state() : nullptr), real_time, series);
   if (drive) server.add(drive->commander());
@@ -138,6 +139,7 @@ int serve(const ServeOptions& options) {
                                        .writer = real_time ? nullptr : writer.get(),
                                        .recording = series ? options.record + "/" + stem + ".csv.gz" : std::string(),
                                        .commands = link.get(),
+                                       .say = say,
                                        .late = late_ticks(faults, rig.period_s, longest_injection_s),
                                        .suspends = suspends(faults, rig.period_s)});
   const bool whole = close_all(rig, *backend, outcome, writer.get());

@@ -24,5 +24,21 @@ TEST_CASE("where the lines cannot carry the reference, the formula comes if it e
   }));
 }
 
+TEST_CASE("an axis that is commanded gets passes of its moves, and its reference stays live") {
+  const Rig rig =
+      read_rig(PNEUSERVO_SOURCE_DIR "/config/served/cylinder-10m-7.65mm.yaml", {"controller.flow_feedforward=off"});
+  Rig moved = rig;
+  moved.reference = live_moves(rig.reference);
+  const Recording recording = test::simulated_recording(moved, 2.0, 5, {"p1_port_Pa", "p2_port_Pa"});
+  const Improvement found = improve("owner.yaml", rig, {recording}, {});
+  CHECK(found.without_pass.empty());
+  CHECK(found.error_ratio() < 0.1);
+  CHECK(found.improved.reference.kind == ReferenceKind::live);
+  CHECK(found.improved.duration_s == rig.duration_s);
+  const PdForceParameters& law = found.improved.controller.of<PdForce>();
+  CHECK(law.flow_feedforward == FeedforwardSource::pass);
+  CHECK(law.without_pass == WithoutPass::formula);
+}
+
 }  // namespace
 }  // namespace pneuservo

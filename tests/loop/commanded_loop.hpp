@@ -5,6 +5,7 @@
 #include <bit>
 #include <cstdint>
 #include <memory>
+#include <string>
 #include <vector>
 
 #include <pneuservo/loop/axis_command.hpp>
@@ -25,10 +26,13 @@ template <class Loop> class CommandedLoop {
   }
   void run(int ticks) {
     for (int i = 0; i < ticks; ++i) {
+      if (makes_passes && loop_.pass_due()) why = loop_.make_pass();
       REQUIRE(loop_.pass(backend_, tick_++, 0, nullptr, nullptr));
       rows_.push_back(loop_.row());
     }
   }
+  bool makes_passes = true;
+  std::string why;  ///< the last move that waited for a pass has none
   /// Asks, and runs until the answer is there.
   AxisAnswer ask(AxisCommand command) {
     command.number = ++numbers_;
@@ -72,6 +76,7 @@ template <class Loop> void require_replay(const Rig& rig, const std::vector<Row>
                                           double Row::* target, double Row::* rate) {
   CommandedLoop<Loop> again(rig);
   for (const Row& row : rows) {
+    again.makes_passes = (row.flags & row_pass_begins) != 0;
     if (row.command_kind == 0) again.run(1);
     else
       REQUIRE(
@@ -83,6 +88,7 @@ template <class Loop> void require_replay(const Rig& rig, const std::vector<Row>
     REQUIRE(std::bit_cast<std::uint64_t>(rows[i].*set_point) ==
             std::bit_cast<std::uint64_t>(again.rows()[i].*set_point));
     REQUIRE(rows[i].u_V == again.rows()[i].u_V);
+    REQUIRE(rows[i].flags == again.rows()[i].flags);
   }
 }
 

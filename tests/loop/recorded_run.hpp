@@ -49,7 +49,7 @@ inline ReplayResult replayed(const Rig& rig, Recording recording, int moves = 1)
     columns.emplace_back(name, &backend.recording().column(name));
   backend.configure();
   backend.activate();
-  return replay_loop(rig, backend, ticks, std::vector<bool>(ticks.size(), false), moves, {}, columns);
+  return replay_loop(rig, backend, ticks, std::vector<std::uint32_t>(ticks.size()), moves, {}, columns);
 }
 
 }  // namespace pneuservo

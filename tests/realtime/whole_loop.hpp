@@ -1,8 +1,10 @@
 // The whole loop for the proofs: simulated plant, guard, estimator, controller, recording ring and course, as in
 // run_loop.
 #pragma once
+#include <atomic>
 #include <memory>
 #include <string>
+#include <thread>
 #include <utility>
 #include <vector>
 
@@ -25,7 +27,7 @@ struct LoopCase {
 
 /// Each pressure source of a cylinder without feedforward, with that of the formula and with that of a pass, the servo
 /// table with linear feedforward and with flatness, learning between its moves, and a cylinder and a pressure that are
-/// commanded twenty times a second.
+/// commanded twenty times a second or rest and move again.
 inline std::vector<LoopCase> loop_cases() {
   std::vector<LoopCase> cases;
   for (const std::string source : {"valve", "chamber", "estimated"})
@@ -43,7 +45,11 @@ inline std::vector<LoopCase> loop_cases() {
                      {move, "duration_s=0.3", "initial.position_m=-0.0495", "simulation.cells_per_m=16",
                       "controller.integral_gain_V_per_m_s=1e4", "controller.learning=flow",
                       "controller.feedforward=" + feedforward}});
-  cases.push_back({"commanded", "served/cylinder-10m-7.65mm", {"initial.position_m=0.02"}});
+  for (const std::string feedforward : {"formula", "pass"})
+    cases.push_back(
+        {"commanded, feedforward " + feedforward,
+         "served/cylinder-10m-7.65mm",
+         {"initial.position_m=0.02", "reference.pass_within_s=0.02", "controller.flow_feedforward=" + feedforward}});
   cases.push_back({"commanded pressure", "served/pressure-3m-4mm", {}});
   return cases;
 }
@@ -57,6 +63,7 @@ class WholeLoop {
         course_(rig_, is_commanded() ? 0 : moves) {
     backend_.configure();
     backend_.activate();
+    if (loop_.makes_passes()) maker_ = std::jthread([this](const std::stop_token& ends) { make_passes(ends); });
   }
 
   /// Every 97th tick comes late and skips three slots. False: the run, or the time of a commanded axis, is over.
@@ -64,6 +71,7 @@ class WholeLoop {
     const std::int64_t skipped = tick_ % 97 == 96 ? 3 : 0;
     tick_ += skipped;
     if (loop_.learning_due()) loop_.learn(rig_.axis);
+    while (loop_.pass_due() || makes_pass_) {}
     if (is_commanded()) command();
     if (tick_ % 1000 == 0) gains_.post(gain_set(rig_.controller.of<Ppd2>()));
     const RtScope hot;
@@ -90,11 +98,21 @@ class WholeLoop {
  private:
   static constexpr int moves = 6;
   static constexpr std::int64_t commanded_ticks = 12000;  // 240 commands; such an axis runs until told otherwise
+  /// Beside the loop, as in run_loop; the loop awaits it, for its ticks take no time.
+  void make_passes(const std::stop_token& ends) {
+    for (; !ends.stop_requested(); std::this_thread::yield()) {
+      if (!loop_.pass_due()) continue;
+      makes_pass_ = true;
+      loop_.make_pass();
+      makes_pass_ = false;
+    }
+  }
   bool is_commanded() const noexcept {
     return rig_.controls_pressure() ? rig_.pressure_reference.kind == PressureReferenceKind::live
                                     : rig_.reference.kind == ReferenceKind::live;
   }
-  /// What stands beside the loop: the edge of enable, then moves to and fro that replace each other on their way.
+  /// What stands beside the loop: the edge of enable, then moves to and fro that replace each other on their way, a
+  /// rest, and one that is stopped on its way.
   void command() {
     for (AxisAnswer answer; link_->answers.pop(answer);) {}
     for (AxisStatus status; link_->status.take(status);) {}
@@ -102,9 +120,12 @@ class WholeLoop {
     const double target = rig_.controls_pressure() ? 4e5 + 1e5 * share : 0.1 * share;
     const double rate = rig_.controls_pressure() ? 7e4 : 0.3;
     if (tick_ / 50 < asked_) return;
-    link_->commands.push(asked_ == 0        ? AxisCommand{CommandKind::enable}
-                         : asked_ % 13 == 0 ? AxisCommand{CommandKind::stop}
-                                            : AxisCommand{CommandKind::move_to, target, rate});
+    const std::int64_t phase = asked_ % 40;
+    const bool moves_on = phase < 13 || phase == 32;
+    link_->commands.push(asked_ == 0                 ? AxisCommand{CommandKind::enable}
+                         : phase == 0 || phase == 13 ? AxisCommand{CommandKind::stop}
+                         : moves_on                  ? AxisCommand{CommandKind::move_to, target, rate}
+                                                     : AxisCommand{CommandKind::mark});
     ++asked_;
   }
   Rig rig_;
@@ -116,6 +137,8 @@ class WholeLoop {
   Course course_;
   RecordingRing ring_;
   std::int64_t tick_ = 0, asked_ = 0;
+  std::atomic<bool> makes_pass_{false};
+  std::jthread maker_;  // ends before all else
 };
 
 }  // namespace pneuservo

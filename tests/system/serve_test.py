@@ -6,6 +6,7 @@ from program import expect, expect_refusal, run
 from served import Client, Served, at, refused
 
 CONFIG = "config/served/cylinder-10m-7.65mm.yaml"
+PASS_BEGINS = 32  # of the column flags
 
 # What serve does not take.
 expect_refusal(run("serve", "config/cylinder-10m-7.65mm.yaml", "--socket", at("no.sock")), ["reference.kind", "live"], "a fixed reference")
@@ -107,12 +108,16 @@ parts = axis.parts()
 expect(any("/kept/" in part for part in parts), f"no file of the mark was kept: {parts}")
 done = run("replay", CONFIG, *parts, "--set", "serve.part_s=20")
 expect(done.returncode == 0 and "bit for bit" in done.stdout, f"replay: {done.stdout[-600:]} {done.stderr[-600:]}")
-kinds = []
+kinds, passes = [], 0
 for part in parts:
     with gzip.open(part, "rt") as file:
         rows = (line.rstrip("\n").split(",") for line in file if not line.startswith("#"))
-        column = next(rows).index("command_kind")
-        kinds += [row[column] for row in rows if row[column] != "0"]
+        names = next(rows)
+        kind, flags = names.index("command_kind"), names.index("flags")
+        for row in rows:
+            kinds += [row[kind]] if row[kind] != "0" else []
+            passes += int(row[flags]) & PASS_BEGINS != 0
+expect(passes >= 2 and "goes by the formula: it takes" in log, f"{passes} moves from rest followed a pass, the slowest has none: {log}")
 expect(kinds[:3] == ["1", "4", "5"] and kinds.count("10") == 1 and kinds.count("8") == 1 and kinds.count("9") == 1 and kinds[-3:] == ["2", "1", "4"],
        f"commands in the record: {kinds[:5]} ... {kinds[-5:]}")
 

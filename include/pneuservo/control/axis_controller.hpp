@@ -79,6 +79,12 @@ class AxisController {
         if (law.learns()) law.learn(axis);
     });
   }
+  /// From the next step on follows a pass of a motion that came at run time; none: the formula alone.
+  void follow_pass(std::span<const PassTick> rows, std::int64_t from) noexcept {
+    visit_law(law_, [&](auto& law) {
+      if constexpr (requires { law.follow_pass(rows, from); }) law.follow_pass(rows, from);
+    });
+  }
   /// The repeated move of a law that learns its command; null: none.
   const RepeatedMove* repeated_move() const noexcept {
     return visit_law(law_, [](const auto& law) -> const RepeatedMove* {

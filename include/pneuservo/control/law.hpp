@@ -40,8 +40,8 @@ struct ControlOutput {
 };
 
 /// What a law is configured with beside its parameters; duration_s is how long it follows the reference. `pass`: that
-/// of the reference, for a law that asks for one; null: none. `volume`: at the end of line_1, of a law that controls
-/// its pressure.
+/// of the reference, for a law that asks for one; null: none; without rows: passes come with the moves. `volume`: at
+/// the end of line_1, of a law that controls its pressure.
 struct LawSetup {
   const AxisParameters<double>& axis;
   double period_s;
@@ -111,7 +111,8 @@ concept ControlsPressure = requires { requires L::controls_pressure; };
 template <class L>
 concept HasOuterLoop = requires(typename L::Parameters& p) { L::Parameters::visit_outer_loop(IgnoreMembers{}, p); };
 /// A control law: all of it but configure is HOT. Optional: lead_s(), rest_s(moved, port_Pa), learns() with learn(axis)
-/// and moves_not_learned(), repeated_move() with begin_with_learned(commands), change_gains(gains); of its Parameters:
+/// and moves_not_learned(), repeated_move() with begin_with_learned(commands), follow_pass(rows, from) with
+/// pass_ticks(table, reference), change_gains(gains); of its Parameters:
 /// pressure_source, velocity_filter_s, command_delay_s, pressures(), feeds_back_ports(), feedforward_name(),
 /// wants_pass(), visit_outer_loop(v, p...).
 template <class L>

@@ -141,11 +141,16 @@ class LivePlanner {
     }
   }
 
+  /// Whether the set point rests in the tick, and since the last pass().
+  bool rests(std::int64_t tick) const noexcept {
+    return base_.to_mps == 0.0 && (count_ == 0 || jump_at(0).tick >= tick);
+  }
   /// Tick from which on the set point rests.
   std::int64_t end_tick() const noexcept { return last().tick + transition_; }
   double target_m() const noexcept { return target_m_; }
   std::int64_t transition() const noexcept { return transition_; }
   const LiveLimits& limits() const noexcept { return limits_; }
+  double period_s() const noexcept { return period_s_; }
   /// Jumps that a set point of now or later is made of.
   std::size_t jumps() const noexcept { return count_; }
 

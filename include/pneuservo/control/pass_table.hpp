@@ -13,10 +13,15 @@ struct PassRow {
   double port_1_Pa = 0.0, port_2_Pa = 0.0;
 };
 
+/// What the law takes of a tick: the pass' command and force, and what of them the formula has already.
+struct PassTick {
+  double u_V = 0.0, formula_V = 0.0, F_N = 0.0, motion_N = 0.0;
+};
+
 /// Ticks from the reference's time 0 on. It rests before the first row as there, after the last as there.
 struct PassTable {
   static constexpr double rest_s = 0.5;  ///< the rest before time 0 from which it begins
-  std::vector<PassRow> rows;  ///< at least one
+  std::vector<PassRow> rows;  ///< none: set points come at run time, and passes with them
   /// Position in the ticks after one more volt for a period, in the closed loop; empty: not asked for.
   std::vector<double> response_m_per_V{};
 };

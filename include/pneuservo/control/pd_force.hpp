@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -109,6 +110,11 @@ enum ControllerFault : std::uint8_t {
   controller_command_not_finite = 1,  ///< an input or gain made the command NaN or infinite; the last command was kept
 };
 
+/// What a pass adds to the formula.
+struct PassPart {
+  double u_V = 0.0, F_N = 0.0;
+};
+
 /// Every term of the law at the last step.
 struct PdForceState {
   double e_m = 0.0;  ///< x_ref - x
@@ -123,6 +129,7 @@ struct PdForceState {
   double u_pass_V = 0.0;  ///< the pass' command, a part of u_feedforward_V
   double u_learned_V = 0.0;  ///< what earlier moves taught, a part of u_feedforward_V
   double F_pass_N = 0.0;  ///< the force that shows on the reference, a part of F_ref_N
+  PassPart pass;  ///< what the pass adds to the formula
   DeadBandAndPlayCompensation::State asked;  ///< command before the valve's known dead band or play
   double u_unlimited_V = 0.0;  ///< command before range and rate
   double u_V = 0.0;  ///< command
@@ -199,20 +206,31 @@ class PdForce {
   /// What earlier runs of this move learned; before the run. Cold.
   void begin_with_learned(std::vector<double> learned_V) { move_.begin_with(std::move(learned_V)); }
 
+  /// What this law takes of a pass of the reference; from its configuration alone. Cold.
+  std::vector<PassTick> pass_ticks(const PassTable& pass, const Reference& reference) const;
+  /// Over which another pass, or none, takes the place of the one before: shorter than what the lines let the piston
+  /// feel, longer than their first resonances.
+  static constexpr double pass_fade_s = 0.05;
+  /// From the next step on follows a pass whose first row is that of ControlInput::tick `from`; none: the formula
+  /// alone. The rows stay the caller's, and last as long as they are followed. HOT.
+  void follow_pass(std::span<const PassTick> rows, std::int64_t from) noexcept {
+    if (!takes_passes_) return;
+    faded_ = state_.pass;
+    fade_left_ = fade_ticks_;
+    followed_ = rows;
+    followed_from_ = from;
+  }
+
   /// How far ahead of t the second reference point of a step lies [s]; 0 without flow feedforward.
   double lead_s() const noexcept { return feeds_forward() ? parameters_.feedforward_lead_s : 0.0; }
 
  private:
-  // What the pass has in a tick, and what of it the formula has already.
-  struct PassTick {
-    double u_V = 0.0, formula_V = 0.0, F_N = 0.0, motion_N = 0.0;
-  };
-  std::vector<PassTick> pass_ticks(const LawSetup& setup) const;
   std::vector<double> learning_window(const LawSetup& setup, std::size_t ticks) const;
   double update(const ControlInput& in) noexcept;
   // `s` holds the last step's terms and gets those of this one.
   void take_terms(const ControlInput& in, PdForceState& s) const noexcept;
   void feed_forward(const ControlInput& in, PdForceState& s) const noexcept;
+  void take_pass(std::int64_t tick, PdForceState& s) const noexcept;
   bool feeds_forward() const noexcept { return parameters_.flow_feedforward != FeedforwardSource::off; }
   void see_force(const ControlInput& in, bool is_first, PdForceState& s) const noexcept;
   double asked_V(const PdForceState& s) const noexcept {
@@ -222,7 +240,12 @@ class PdForce {
   PdForceParameters parameters_{};
   FlowFeedforward feedforward_{};
   DeadBandAndPlayCompensation compensation_{};
-  std::shared_ptr<const std::vector<PassTick>> pass_;  ///< null: none; copies of the law share it
+  bool takes_passes_ = false;
+  std::shared_ptr<const std::vector<PassTick>> pass_;  ///< of the reference; copies of the law share it
+  std::span<const PassTick> followed_;  ///< empty: the formula alone
+  std::int64_t followed_from_ = 0;
+  std::int64_t fade_ticks_ = 1, fade_left_ = 0;
+  PassPart faded_{};  ///< of the last tick before another pass, or none, was followed
   RepeatedMove move_{};  ///< is off without learning
   CommandLimiter limiter_{};
   PdForceState state_{};

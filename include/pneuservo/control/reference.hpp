@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <functional>
 #include <limits>
+#include <memory>
 #include <string>
 #include <utility>
 #include <vector>
@@ -29,7 +30,7 @@ struct ReferenceSpec {
   std::vector<ReferenceSpec> parts;                                  // sum
   double start_m = 0.0, end_m = 0.0, speed_mps = 0.0, duration_s = 0.0;  // cruise, minimum_jerk
   std::string path;                                                  // file
-  double lowest_m = 0.0, highest_m = 0.0, acceleration_mps2 = 0.0;   // live, with speed_mps
+  double lowest_m = 0.0, highest_m = 0.0, acceleration_mps2 = 0.0, pass_within_s = 0.25;  // live, with speed_mps
 };
 
 /// Reads the columns t_s and x_ref_m of a recording: the loader of references of kind `file`.
@@ -47,11 +48,16 @@ inline bool needs_file(const ReferenceSpec& spec) {
 /// config's motion is checked by is checked (docs/serve.md). Forth and at once back over the range, then the shortest
 /// moves that reach the largest speed, forth and back.
 ReferenceSpec live_trial(const ReferenceSpec& live);
+/// Two of its moves: over the whole range and back, with a rest before and between.
+ReferenceSpec live_moves(const ReferenceSpec& live);
+inline constexpr double live_rest_s = 0.5;  ///< of both
 
 /// Smallest and largest value of one derivative of a reference over a time span.
 struct ReferenceExtremes {
   double minimum = 0.0, maximum = 0.0;
 };
+
+class LivePlanner;
 
 /// A reference that can be asked for any time. Built once (cold); after that nothing is allocated and `at` is HOT.
 /// Before its start it rests at its first value, after its end at its last (docs/physics/references.md).
@@ -62,6 +68,8 @@ class Reference {
   /// `load` is needed for references of kind `file` only. Throws std::invalid_argument with one sentence that names
   /// the key, what was found and what is expected.
   explicit Reference(const ReferenceSpec& spec, const LoadPositions& load = {});
+  /// What a planner has planned from its tick 0 on, and from rest.
+  explicit Reference(std::shared_ptr<const LivePlanner> planned);
 
   /// Position and derivatives 1 to 7 at time t_s [s]. At a joint the later piece counts.
   ReferencePoint at(double t_s) const noexcept;
@@ -106,6 +114,7 @@ class Reference {
   std::vector<Piece> pieces_;
   std::vector<double> coefficients_;
   std::vector<Component> components_;
+  std::shared_ptr<const LivePlanner> planned_;
   double start_s_ = 0.0, end_s_ = 0.0;
 };
 

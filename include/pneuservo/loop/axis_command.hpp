@@ -92,6 +92,7 @@ struct AxisStatus {
   SupervisorState state = SupervisorState::unconfigured;
   bool enabled = false;  ///< told to be; `state` says what it is
   bool proven = false;   ///< the start is: until then moves are slow
+  bool follows_pass = false;  ///< that of the last move, its rest included
   std::uint64_t faults = 0, first_faults = 0;
   PerSignal<double> measured;  ///< behind the known gain and offset of the sensors; NaN: no valid sample
   double v_mps = 0.0;  ///< as the law sees it; of an axis

@@ -3,6 +3,8 @@
 #include <array>
 #include <atomic>
 #include <cstdint>
+#include <memory>
+#include <string>
 
 #include <pneuservo/control/reference.hpp>
 #include <pneuservo/loop/approach.hpp>
@@ -10,9 +12,12 @@
 #include <pneuservo/loop/gain_mailbox.hpp>
 #include <pneuservo/loop/loop_pass.hpp>
 #include <pneuservo/loop/motion_twin.hpp>
+#include <pneuservo/loop/move_passes.hpp>
 #include <pneuservo/rig/rig.hpp>
 
 namespace pneuservo {
+
+class MovePassMaker;
 
 /// What the estimator must know, from the rig; its uncertainty from sensors and tolerances.
 EstimatorParameters estimator_parameters(const Rig& rig);
@@ -37,6 +42,8 @@ class AxisLoop final : public LoopPass<AxisLoop> {
 
   /// Cold: builds estimator, controller and reference from the rig; allocates, may throw std::invalid_argument.
   void configure(const Rig& rig, const LoadPositions& load = {});
+  AxisLoop();
+  ~AxisLoop() override;
 
   /// Begins a motion at the next tick: approach from wherever the axis is, then the reference from its time 0. Leads
   /// back from every fault: integral and estimator start anew, the latched faults are cleared.
@@ -54,6 +61,10 @@ class AxisLoop final : public LoopPass<AxisLoop> {
     controller_.learn(axis);
     learning_due_.store(false, std::memory_order_release);
   }
+
+  bool makes_passes() const noexcept override { return pass_maker_ != nullptr; }
+  bool pass_due() const noexcept override { return move_passes_.is_due(); }
+  std::string make_pass() override;
 
   void begin_with_learned(const LoadLearned& learned) override {
     if (const RepeatedMove* move = controller_.repeated_move()) controller_.begin_with_learned(learned(*move));
@@ -89,6 +100,8 @@ class AxisLoop final : public LoopPass<AxisLoop> {
   }
   void set_points(double t_s, std::int64_t tick, const JudgedInputs& inputs) noexcept;
   void tell_status(std::int64_t tick) noexcept;
+  void follow_passes(std::int64_t tick) noexcept;
+  void configure_desk(const Rig& rig);
   std::array<double, 2> control(std::int64_t tick, const JudgedInputs& inputs, const EstimatorOutput& estimate,
                                 std::int64_t skipped) noexcept;
   void fill_row(double t_s, std::int64_t skipped, bool stepped, const Measurement& measured, const Truth& truth,
@@ -101,6 +114,10 @@ class AxisLoop final : public LoopPass<AxisLoop> {
   MotionTwin twin_;
   Reference reference_;
 
+  std::unique_ptr<MovePassMaker> pass_maker_;  // null: moves at run time have no pass
+  MovePasses move_passes_;
+  std::uint64_t planned_ = 0;  // the plan that was seen last
+  bool waits_for_pass_ = false, follows_pass_ = false, pass_begins_ = false;
   std::atomic<bool> learning_due_{false};
   GainMailbox* gain_mailbox_ = nullptr;
   bool moved_ = false, twin_waits_ = true;

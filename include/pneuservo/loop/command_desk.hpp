@@ -15,8 +15,8 @@ class CommandDesk {
   /// Inputs that are not ready for so long after `enable` take it back.
   static constexpr double enabled_within_s = 2.0;
 
-  void configure(const LiveLimits& limits, double period_s, double lead_s) {
-    motion_.configure(limits, period_s, lead_s);
+  void configure(const LiveLimits& limits, double period_s, double lead_s, double wait_s = 0.0) {
+    motion_.configure(limits, period_s, lead_s, wait_s);
     period_s_ = period_s;
   }
   /// Whoever commands; null: nobody, the loop runs its reference. Before the first pass.

@@ -11,14 +11,24 @@
 
 namespace pneuservo {
 
+/// What the planner was told last.
+struct PlannedMove {
+  std::uint64_t number = 0;  ///< another one with each change of the plan
+  bool from_rest = false;    ///< to a known target, and nothing moves before it begins
+  std::int64_t begin_tick = 0;  ///< the last in which the set point rests; from here on of moves from rest
+  double from_m = 0.0, to_m = 0.0, speed_mps = 0.0;
+};
+
 /// Commands into plans, set points of a stream into one motion; in Pa in place of m where a pressure is commanded.
 /// Until the start is proven moves go as slowly as an approach. A stream takes over from the planner at rest and gives
 /// back at rest; commands in between are obeyed by the stream's own line. All of it but configure is HOT.
 class CommandedMotion {
  public:
-  /// `lead_s`: how far ahead the law looks.
-  void configure(const LiveLimits& limits, double period_s, double lead_s) {
+  /// `lead_s`: how far ahead the law looks; `wait_s`: how long a move from rest waits for its begin, once the start is
+  /// proven.
+  void configure(const LiveLimits& limits, double period_s, double lead_s, double wait_s = 0.0) {
     planner_.configure(limits, period_s);
+    wait_ = std::llround(wait_s / period_s);
     stream_.configure(limits, period_s, lead_s);
     period_s_ = period_s;
   }
@@ -26,6 +36,8 @@ class CommandedMotion {
   void start(std::int64_t tick, double position_m) noexcept {
     planner_.start(tick, position_m);
     moving_ = held_ = false;
+    planned_.from_rest = false;
+    ++planned_.number;
     proven_ = false;
     jogs_ = streams_ = comes_ = false;
   }
@@ -56,7 +68,7 @@ class CommandedMotion {
   /// Once a tick, before commands. From the proof of the start on moves have their full speed.
   void pass(std::int64_t tick, bool proven) noexcept {
     planner_.pass(tick);
-    if (proven && !proven_) proven_ = held_ || !moving_ || streams_ || planner_.move_to(tick, wanted_m_, wanted_mps_);
+    if (proven && !proven_) proven_ = held_ || !moving_ || streams_ || replan(tick, wanted_m_, wanted_mps_);
     moving_ = moving_ && (held_ || tick < end_tick());
     if (comes_ && tick > planner_.end_tick()) begin_stream(tick);
   }
@@ -79,6 +91,7 @@ class CommandedMotion {
   /// The set points of a stream are faster than the limits.
   bool is_late() const noexcept { return streams_ && stream_.is_late(); }
   const LivePlanner& planner() const noexcept { return planner_; }
+  const PlannedMove& planned() const noexcept { return planned_; }
   const SetPointStream& stream() const noexcept { return stream_; }
 
  private:
@@ -94,7 +107,7 @@ class CommandedMotion {
       return true;
     }
     if (streams_) stream_.go_at(target_m, held(speed_mps));
-    else if (!planner_.move_to(tick - 1, target_m, held(speed_mps))) return false;
+    else if (!replan(tick - 1, target_m, held(speed_mps))) return false;
     wanted(target_m, speed_mps);
     jogs_ = false;
     return true;
@@ -104,13 +117,31 @@ class CommandedMotion {
     const double speed = held(std::fabs(speed_mps));
     if (streams_) stream_.go_at(speed_mps > 0.0 ? limits.highest_m : limits.lowest_m, speed);
     else if (!planner_.jog(tick - 1, std::copysign(speed, speed_mps))) return false;
+    else plan_changed();
     wanted(target_m(), std::fabs(speed_mps));
     jogs_ = true;
     return true;
   }
   bool stop(std::int64_t tick) noexcept {
     if (streams_) stream_.halt();
-    return streams_ || planner_.stop(tick - 1);
+    if (streams_ || tick > planner_.end_tick()) return true;  // rests, and nothing waits
+    if (!planner_.stop(tick - 1)) return false;
+    plan_changed();
+    return true;
+  }
+  // From the tick on, or from rest later: what the move needs is made meanwhile.
+  bool replan(std::int64_t tick, double target_m, double speed_mps) noexcept {
+    const bool waits = wait_ > 0 && proven_ && planner_.rests(tick);
+    const double from_m = planner_.at(tick).d[0];
+    const std::int64_t begin_tick = waits ? tick + wait_ : tick;
+    if (waits) planner_.stop(tick);  // what waits already
+    if (!planner_.move_to(begin_tick, target_m, speed_mps)) return false;
+    planned_ = {planned_.number + 1, waits && target_m != from_m, begin_tick, from_m, target_m, speed_mps};
+    return true;
+  }
+  void plan_changed() noexcept {
+    planned_.from_rest = false;
+    ++planned_.number;
   }
   // An axis that still moves comes to rest first.
   bool follow(const AxisCommand& command, std::int64_t tick, CommandResult& result) noexcept {
@@ -118,7 +149,7 @@ class CommandedMotion {
       result = CommandResult::outside;
       return true;
     }
-    if (!streams_ && !comes_ && tick <= planner_.end_tick() && !planner_.stop(tick - 1)) return false;
+    if (!streams_ && !comes_ && !stop(tick)) return false;
     next_m_ = command.target;
     interval_ = std::max<std::int64_t>(std::llround(command.interval_s / period_s_), 1);
     moving_ = held_ = jogs_ = false;
@@ -132,6 +163,7 @@ class CommandedMotion {
     if (next_m_ == planner_.target_m()) return;
     stream_.start(tick - 1, planner_.target_m());
     stream_.go(next_m_, interval_);
+    plan_changed();
     streams_ = true;
   }
   void wanted(double target_m, double speed_mps) noexcept {
@@ -143,6 +175,8 @@ class CommandedMotion {
 
   LivePlanner planner_;
   SetPointStream stream_;
+  PlannedMove planned_;
+  std::int64_t wait_ = 0;
   double period_s_ = 1e-3;
   bool proven_ = false, moving_ = false, held_ = false, jogs_ = false;
   bool streams_ = false, comes_ = false;  // a stream moves the axis; its first set point waits for rest

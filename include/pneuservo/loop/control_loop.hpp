@@ -2,6 +2,7 @@
 #pragma once
 #include <cstddef>
 #include <cstdint>
+#include <string>
 
 #include <pneuservo/control/axis_controller.hpp>
 #include <pneuservo/core/rt.hpp>
@@ -32,6 +33,11 @@ class ControlLoop {
   virtual void set_command_link(CommandLink* link) noexcept = 0;
   virtual bool learning_due() const noexcept { return false; }
   virtual void learn(const AxisParameters<double>&) {}
+  /// A move waits for its command pass, which make_pass() makes: by one thread only, beside passes of the loop if need
+  /// be. Returns why there is none, in a sentence; empty: there is one, or nobody waits any more. Cold.
+  virtual bool makes_passes() const noexcept { return false; }
+  virtual bool pass_due() const noexcept { return false; }
+  virtual std::string make_pass() { return {}; }
   /// Begins with what earlier runs of the law's move learned, where it learns one; before the first pass. Cold.
   virtual void begin_with_learned(const LoadLearned&) {}
 

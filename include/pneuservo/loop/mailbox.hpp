@@ -12,16 +12,28 @@ namespace pneuservo {
 template <class T> class Mailbox {
  public:
   void post(const T& value) noexcept {
-    slots_[written_] = value;
+    draft() = value;
+    post_draft();
+  }
+  /// The buffer of the thread that posts, to write in place; post_draft() posts it and leaves another one.
+  T& draft() noexcept { return slots_[written_]; }
+  void post_draft() noexcept {
     written_ = between_.exchange(static_cast<std::uint8_t>(written_ | fresh), std::memory_order_acq_rel) & index;
   }
   /// True: `value` has what was posted last.
   bool take(T& value) noexcept {
-    if ((between_.load(std::memory_order_relaxed) & fresh) == 0) return false;
-    read_ = between_.exchange(read_, std::memory_order_acq_rel) & index;
-    value = slots_[read_];
+    if (!has_new()) return false;
+    value = *take();
     return true;
   }
+  /// What was posted last, in place until the next take; null: nothing since the last one, which goes on to stand.
+  const T* take() noexcept {
+    if (!has_new()) return nullptr;
+    read_ = between_.exchange(read_, std::memory_order_acq_rel) & index;
+    return &slots_[read_];
+  }
+  /// Something was posted and not taken.
+  bool has_new() const noexcept { return (between_.load(std::memory_order_relaxed) & fresh) != 0; }
 
  private:
   static constexpr std::uint8_t fresh = 4, index = 3;

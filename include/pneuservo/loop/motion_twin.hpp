@@ -114,6 +114,7 @@ class MotionTwin {
     now_ = sample();
   }
   void change_gains(const Ppd2GainSet& gains) noexcept { law_.change_gains(gains); }
+  void follow_pass(std::span<const PassTick> rows, std::int64_t from) noexcept { law_.follow_pass(rows, from); }
 
   /// As the encoder should show it behind the loop's correction.
   double position_m() const noexcept { return now_.position_m; }

@@ -18,6 +18,7 @@ enum RowFlag : std::uint32_t {
   row_command_limited = 4,
   row_fault = 8,
   row_input_bridged = 16,   ///< a sample of this tick was wrong and was replaced
+  row_pass_begins = 32,     ///< a commanded move begins and follows a command pass
 };
 
 // All columns in file order, each declared by its line alone: type, name, value where there is none, and what the loop
@@ -61,7 +62,7 @@ enum RowFlag : std::uint32_t {
   /* SupervisorState (loop/supervisor.hpp) */                                                                          \
   COLUMN(std::uint32_t, state, 0, static_cast<std::uint32_t>(supervisor_.state()))                                     \
   /* bits of RowFlag */                                                                                                \
-  COLUMN(std::uint32_t, flags, 0, row_flags(skipped))                                                                  \
+  COLUMN(std::uint32_t, flags, 0, row_flags(skipped) | (stepped && pass_begins_ ? row_pass_begins : 0u))               \
   /* bits of Fault (loop/fault.hpp), 0 while healthy */                                                                \
   COLUMN(std::uint64_t, fault, 0, supervisor_.faults())                                                                \
   /* CommandKind (loop/axis_command.hpp) that was obeyed in this tick, its target or way, its speed */                 \

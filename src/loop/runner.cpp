@@ -68,7 +68,8 @@ void run_simulated(const Rig& rig, ControlLoop& loop, Backend& backend, const Ru
     note_fault(settings, course, loop, tick);
     if (!goes_on) break;
     if (loop.learning_due()) loop.learn(rig.axis);
-    if (loop.pass_due()) say_why(settings, loop.make_pass());
+    // Not sooner: commands that come meanwhile replace each other.
+    if (loop.pass_due() && tick + 1 >= loop.pass_needed_tick()) say_why(settings, loop.make_pass());
   }
   out.stopped_by_signal = StopRequest::requested();
   loop.stop(backend, tick + 1);

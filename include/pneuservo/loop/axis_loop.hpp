@@ -65,6 +65,7 @@ class AxisLoop final : public LoopPass<AxisLoop> {
   bool makes_passes() const noexcept override { return pass_maker_ != nullptr; }
   bool pass_due() const noexcept override { return move_passes_.is_due(); }
   std::string make_pass() override;
+  std::int64_t pass_needed_tick() const noexcept override { return desk_.motion().planned().begin_tick; }
 
   void begin_with_learned(const LoadLearned& learned) override {
     if (const RepeatedMove* move = controller_.repeated_move()) controller_.begin_with_learned(learned(*move));

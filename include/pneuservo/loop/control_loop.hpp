@@ -38,6 +38,8 @@ class ControlLoop {
   virtual bool makes_passes() const noexcept { return false; }
   virtual bool pass_due() const noexcept { return false; }
   virtual std::string make_pass() { return {}; }
+  /// Tick before which it must be there.
+  virtual std::int64_t pass_needed_tick() const noexcept { return 0; }
   /// Begins with what earlier runs of the law's move learned, where it learns one; before the first pass. Cold.
   virtual void begin_with_learned(const LoadLearned&) {}
 

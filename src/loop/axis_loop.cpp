@@ -70,7 +70,7 @@ void AxisLoop::configure(const Rig& wanted, const LoadPositions& load) {
   command_max_V_ = rig.axis.valve.command_max_V;
   estimator_.configure(estimator_parameters(rig));
   reference_ = Reference(rig.reference, load);
-  PassTables pass = pass_or_formula(rig, reference_).tables;
+  PassTables pass = pass_or_formula(rig, reference_, PassWords::short_words).tables;
   controller_.configure(rig.controller, rig.axis, rig.period_s, reference_, rig.duration_s, std::move(pass.law));
   pass_maker_.reset();
   if (rig.reference.kind == ReferenceKind::live) configure_desk(rig);

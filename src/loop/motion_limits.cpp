@@ -198,7 +198,7 @@ double dry_friction_max_N(const Rig& rig) {
 
 MotionPrediction predict_motion(const Rig& wanted, const Reference& reference) {
   Rig rig = wanted;
-  auto pass = pass_or_formula(rig, reference).tables.prediction;
+  auto pass = pass_or_formula(rig, reference, PassWords::short_words).tables.prediction;
   return predict_motion(rig, reference, std::move(pass));
 }
 

@@ -271,28 +271,29 @@ std::string refusal_words(const Rig& rig, const Reference& reference, const Comm
   return missing_words(rig, pass) + "; " + instead;
 }
 
-PassTables pass_tables(const Rig& rig, const Reference& reference) {
+PassTables pass_tables(const Rig& rig, const Reference& reference, PassWords words) {
   if (!rig.controller.wants_pass()) return {};
   if (rig.reference.kind == ReferenceKind::live) return {std::make_shared<PassTable>(), std::make_shared<PassTable>()};
   const CommandPass pass = make_command_pass(rig, reference);
   if (!pass.feasible)
     throw std::invalid_argument(fmt::format(
         "controller.flow_feedforward: found pass, but {}; expected a slower or shorter reference, or formula",
-        refusal_words(rig, reference, pass)));
-  if (const std::string words = unfollowed_words(rig, reference, pass); !words.empty())
+        words == PassWords::full ? refusal_words(rig, reference, pass) : missing_words(rig, pass)));
+  if (const std::string why = unfollowed_words(rig, reference, pass); !why.empty())
     throw std::invalid_argument(fmt::format(
-        "controller.flow_feedforward: found pass, but {}; expected formula, or a reference that begins slower", words));
+        "controller.flow_feedforward: found pass, but {}; expected formula, or a reference that begins slower", why));
   const std::shared_ptr<PassTable> law = pass.table(rig, true);
   if (rig.controller.of<PdForce>().learns()) law->response_m_per_V = closed_loop_response_m_per_V(rig, reference, pass);
   return {law, pass.table(rig, false)};
 }
 
-PassOrFormula pass_or_formula(Rig& rig, const Reference& reference) {
+PassOrFormula pass_or_formula(Rig& rig, const Reference& reference, PassWords words) {
+  if (!rig.controller.wants_pass()) return {};
+  PdForceParameters& law = rig.controller.of<PdForce>();
+  if (law.without_pass == WithoutPass::refuse) return {pass_tables(rig, reference), ""};
   try {
-    return {pass_tables(rig, reference), ""};
+    return {pass_tables(rig, reference, words), ""};
   } catch (const std::invalid_argument& error) {
-    PdForceParameters& law = rig.controller.of<PdForce>();
-    if (law.without_pass == WithoutPass::refuse) throw;
     law.flow_feedforward = FeedforwardSource::formula;
     return {{}, error.what()};
   }
@@ -305,7 +306,7 @@ std::string heed_missing_pass(const std::string& config, Rig& rig, const LoadPos
     return "reference.kind live: a pass is made for each move of an axis that is served, not for the trial motion";
   }
   try {
-    return pass_or_formula(rig, Reference(rig.reference, load)).why;
+    return pass_or_formula(rig, Reference(rig.reference, load), PassWords::full).why;
   } catch (const std::invalid_argument& error) { throw InputError(config + ": " + error.what()); }
 }
 

@@ -62,14 +62,17 @@ std::vector<double> closed_loop_response_m_per_V(const Rig& rig, const Reference
 struct PassTables {
   std::shared_ptr<const PassTable> law, prediction;
 };
+/// What a sentence on a missing pass tells: what is missing, or what the lines can do instead, too, which takes as long
+/// as eight passes.
+enum class PassWords { short_words, full };
 /// Throws std::invalid_argument with a sentence where the law asks for a pass and there is none.
-PassTables pass_tables(const Rig& rig, const Reference& reference);
+PassTables pass_tables(const Rig& rig, const Reference& reference, PassWords words = PassWords::full);
 struct PassOrFormula {
   PassTables tables;
   std::string why;  ///< there is no pass, in a sentence; empty: there is, or none is asked for
 };
 /// The same, but where the config goes on without a pass the rig takes the formula.
-PassOrFormula pass_or_formula(Rig& rig, const Reference& reference);
+PassOrFormula pass_or_formula(Rig& rig, const Reference& reference, PassWords words);
 
 /// pass_or_formula before a run. Throws InputError with the config's name where it refuses to go on.
 std::string heed_missing_pass(const std::string& config, Rig& rig, const LoadPositions& load);

@@ -107,6 +107,8 @@ def first_position(reference):
 def owners_rig(rng, configs, name):
     rig = yaml.safe_load(pathlib.Path(rng.choice(configs)).read_text(encoding="utf-8"))
     rig.update(name=name, effects={})
+    # A pass of the machine's own rig would know what is hidden from its owner.
+    rig["controller"]["flow_feedforward"] = "off"
     rig["slider"]["payload_kg"] = rng.choice([0.0, 1.25])
     if rng.random() < 0.5:  # another machine than the config's, and its owner knows
         for path, least, most in (("cylinder.area_1_m2", 0.8, 1.3), ("cylinder.dead_volume_1_m3", 0.7, 2),

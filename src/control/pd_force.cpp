@@ -36,6 +36,7 @@ void PdForce::configure(const PdForceParameters& parameters, const AxisParameter
   parameters_ = parameters;
   pass_.reset();
   takes_passes_ = false;
+  pass_repeats_ = 1;
   fade_ticks_ = std::max<std::int64_t>(std::llround(pass_fade_s / period_s), 1);
   move_ = {};
   feedforward_ = FlowFeedforward(axis);
@@ -61,6 +62,7 @@ void PdForce::configure(const PdForceParameters& parameters, const LawSetup& set
   if (setup.pass->rows.empty()) return;
   pass_ = std::make_shared<const std::vector<PassTick>>(pass_ticks(*setup.pass, setup.reference));
   followed_ = *pass_;
+  followed_repeats_ = pass_repeats_ = static_cast<std::int64_t>(setup.pass->repeats);
   if (!parameters.learns() || setup.pass->response_m_per_V.empty()) return;
   move_ = RepeatedMove(setup.pass->response_m_per_V, learning_window(setup, pass_->size()), setup.period_s,
                        parameters.learned_command_max_V, move_identity(setup));
@@ -111,6 +113,7 @@ void PdForce::reset(double previous_command_V) noexcept {
   state_.asked = compensation_.at(state_.u_V);
   followed_ = pass_ ? std::span<const PassTick>(*pass_) : std::span<const PassTick>();
   followed_from_ = fade_left_ = 0;
+  followed_repeats_ = pass_repeats_;
   periods_ = 1.0;
   first_ = true;
 }
@@ -172,7 +175,9 @@ void PdForce::take_pass(std::int64_t tick, PdForceState& s) const noexcept {
   PassTick now;
   if (!followed_.empty()) {
     const auto last = static_cast<std::int64_t>(followed_.size()) - 1;
-    now = followed_[static_cast<std::size_t>(std::clamp<std::int64_t>(tick - followed_from_, 0, last))];
+    std::int64_t at = std::max<std::int64_t>(tick - followed_from_, 0);
+    if (at > last) at = last - followed_repeats_ + 1 + (at - last - 1) % followed_repeats_;
+    now = followed_[static_cast<std::size_t>(at)];
   }
   s.u_pass_V = now.u_V;
   s.F_pass_N = now.F_N;

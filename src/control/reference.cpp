@@ -110,13 +110,18 @@ ReferencePoint Reference::at(double t_s) const noexcept {
   return point;
 }
 
+Reference::Repetition Reference::repetition() const {
+  Repetition out{planned_ ? end_s_ : 0.0, common_period_s(components_)};
+  for (const Track& t : tracks_) out.from_s = std::max(out.from_s, t.end_s);
+  for (const Oscillation& o : oscillations_) out.from_s = std::max({out.from_s, o.start_s, o.ramp.end_s});
+  return out;
+}
+
 ReferenceExtremes Reference::extremes(int order, double duration_s) const {
   const auto n = static_cast<std::size_t>(order);
-  double steady_s = 0.0;
-  for (const Track& t : tracks_) steady_s = std::max(steady_s, t.end_s);
-  for (const Oscillation& o : oscillations_) steady_s = std::max({steady_s, o.start_s, o.ramp.end_s});
   // From then on it rests or repeats what was before; just beyond, so that the end of a piece lies within.
-  const double known_s = steady_s + common_period_s(components_);
+  const Repetition repeated = repetition();
+  const double known_s = repeated.from_s + repeated.period_s;
   if (known_s > 0.0) duration_s = std::min(duration_s, std::nextafter(known_s, 2.0 * known_s));
   double step_s = duration_s / 1000.0;
   for (const Component& c : components_)

@@ -104,6 +104,28 @@ template <class F> double largest_share(F&& is_feasible) {
   return known / 16.0;
 }
 
+/// Cuts a long run where the reference rests, or after whole periods of it; returns the ticks that then repeat.
+std::size_t shorten(Rig& rig, const Reference& reference) {
+  const double periods = rig.duration_s / rig.period_s, most = static_cast<double>(most_pass_ticks);
+  if (periods <= most) return 1;
+  const Reference::Repetition again = reference.repetition();
+  const double begin = std::ceil(again.from_s / rig.period_s), period = std::round(again.period_s / rig.period_s);
+  const bool rests = again.period_s == 0.0;
+  // The pressures need some periods to come to their own repetition.
+  constexpr double least_periods = 3.0, settling_s = 1.0, rounding = 1e-9;
+  const double fitting = rests ? 0.0 : std::floor((most - begin) / period);
+  const double ticks = rests ? begin + std::round(settling_s / rig.period_s) : begin + fitting * period;
+  const bool is_whole = std::fabs(again.period_s / rig.period_s - period) <= rounding * period;
+  const bool learns = rig.controller.of<PdForce>().learns();  // tick by tick over the whole move
+  if (learns || !(ticks <= most) || !(rests || (is_whole && fitting >= least_periods)))
+    throw std::invalid_argument(fmt::format(
+        "a command pass: found a run of {:.0f} periods, expected at most {} (duration_s), or a reference that "
+        "repeats after a whole number of them, without controller.learning",
+        periods, most_pass_ticks));
+  rig.duration_s = ticks * rig.period_s;
+  return rests ? 1 : static_cast<std::size_t>(period);
+}
+
 /// Sensors without noise behind the loop's correction, and the estimator behind them.
 class Shown {
  public:
@@ -147,6 +169,7 @@ class Shown {
 std::shared_ptr<PassTable> CommandPass::table(const Rig& rig, bool by_estimator) const {
   auto table = std::make_shared<PassTable>();
   table->rows.reserve(ticks.size());
+  table->repeats = repeats;
   Shown shown(rig, before.front().values, by_estimator);
   double previous_V = before.front().u_V, previous_x_m = before.front().values[Signal::x];
   const auto row_of = [&](const LedTick& tick) {
@@ -163,18 +186,17 @@ std::shared_ptr<PassTable> CommandPass::table(const Rig& rig, bool by_estimator)
   return table;
 }
 
-CommandPass make_command_pass(const Rig& rig, const Reference& reference, const MotionScale& scale,
+CommandPass make_command_pass(const Rig& wanted, const Reference& reference, const MotionScale& scale,
                               const GoesOn& goes_on) {
-  if (rig.valves() != 1) throw std::invalid_argument("a command pass: expected a five-port valve");
-  if (const double ticks = rig.duration_s / rig.period_s; ticks > static_cast<double>(most_pass_ticks))
-    throw std::invalid_argument(fmt::format(
-        "a command pass: found a run of {:.0f} periods, expected at most {} (duration_s)", ticks, most_pass_ticks));
+  if (wanted.valves() != 1) throw std::invalid_argument("a command pass: expected a five-port valve");
+  Rig rig = wanted;
+  CommandPass pass;
+  pass.repeats = shorten(rig, reference);
   const double feedback_V_per_N = feedback_share * rig.controller.of<PdForce>().force_gain_V_per_N;
   LedAxis axis(rig, feedback_V_per_N);
   const PassMotion motion(rig, reference, scale);
   const auto response_ticks = static_cast<std::size_t>(std::llround(response_s / rig.period_s));
   ForceLearning learning(axis.pulse_response(pulse_V(rig), response_ticks), motion.ticks(), rig.period_s);
-  CommandPass pass;
   axis.run(motion, {});
   const auto used = [&](const auto& all) {
     const auto begin = all.begin() + static_cast<std::ptrdiff_t>(motion.first());

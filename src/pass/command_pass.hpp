@@ -22,6 +22,7 @@ struct CommandPass {
   double limited_share = 0.0;            ///< of the ticks at the largest command
   double left_N = 0.0;                   ///< largest force below judged_Hz that the chambers do not give
   std::size_t runs = 0;                  ///< of the model
+  std::size_t repeats = 1;               ///< ticks at the end that stand for all later ones
   bool feasible = false;
 
   /// As the law's pressures show them: by the estimator where the law has it (else the chambers themselves). The first
@@ -35,7 +36,8 @@ inline constexpr double most_left_N = 2.0;
 /// A reversal of dry friction is faster than any line and costs 0.2 mm; what the learning should have taken is slower.
 inline constexpr double judged_Hz = 12.0;
 
-/// Longer runs are refused: so many periods are learned within some seconds, which no signal ends.
+/// So many periods are learned within some seconds, which no signal ends. Of longer runs the part is learned after
+/// which the reference rests, or its last period is repeated; where it does neither they are refused.
 inline constexpr std::size_t most_pass_ticks = 60'000;
 
 /// Asked before each run of the model; false: nobody waits any more.
@@ -43,7 +45,7 @@ using GoesOn = std::function<bool()>;
 
 /// Learns along the whole reference, or along a slower or smaller one; not feasible where it shall not go on. Cold:
 /// some 20 runs of the model. Throws std::invalid_argument for a rig without a five-port valve and for a run that is
-/// too long.
+/// too long and does not repeat.
 CommandPass make_command_pass(const Rig& rig, const Reference& reference, const MotionScale& scale = {},
                               const GoesOn& goes_on = {});
 

@@ -215,7 +215,41 @@ TEST_CASE("a loop that does not follow the pass is refused with both errors, and
   const Rig slow = rig_of("cylinder-10m-7.65mm", {"controller.command_rate_V_per_s=2", "duration_s=3"});
   CHECK_THROWS_WITH(pass_tables(slow, Reference(slow.reference)),
                     Catch::Contains("this loop does not follow the pass") && Catch::Contains("with the formula by"));
-  const Rig lasting = rig_of("cylinder-10m-7.65mm", {"duration_s=1000"});
+  const Rig lasting = rig_of(
+      "cylinder-10m-7.65mm",
+      {"duration_s=1000", "reference={kind: multisine, components: [[0.01, 1.0, 0.0], [0.01, 1.23456789, 0.0]]}"});
   CHECK_THROWS_WITH(pass_tables(lasting, Reference(lasting.reference)),
                     Catch::Contains("found a run of 1000000 periods, expected at most 60000"));
+}
+
+TEST_CASE("a long sine repeats its last period, a long rest its last tick, as well as a short run does") {
+  const Rig brief = rig_of("cylinder-5m-6.10mm", {"duration_s=5"}),
+            lasting = rig_of("cylinder-5m-6.10mm", {"duration_s=70"});
+  const Reference sine(lasting.reference);
+  const CommandPass pass = make_command_pass(lasting, sine);
+  CHECK(pass.feasible);
+  CHECK(pass.repeats == 1000);
+  CHECK(pass.ticks.size() % 1000 == 1);
+  CHECK(predicted_error_m(lasting, sine, pass, FeedforwardSource::pass) <
+        1.2 * predicted_error_m(brief, sine, make_command_pass(brief, sine), FeedforwardSource::pass));
+  const Rig resting = rig_of("cylinder-5m-6.10mm", {short_move, "duration_s=500"});
+  const CommandPass move = make_command_pass(resting, Reference(resting.reference));
+  CHECK(move.feasible);
+  CHECK(move.repeats == 1);
+  CHECK(move.ticks.size() < 5000);
+}
+
+TEST_CASE("the law repeats the last ticks of a table that says so") {
+  const Rig rig = rig_of("cylinder-5m-6.10mm", {});
+  auto table = std::make_shared<PassTable>();
+  table->repeats = 3;
+  for (const double u_V : {0.0, 0.1, 0.2, 0.3, 0.4})
+    table->rows.push_back({.asked_V = u_V, .p1_Pa = 4e5, .p2_Pa = 4e5});
+  PdForce law;
+  law.configure(rig.controller.of<PdForce>(), LawSetup{rig.axis, rig.period_s, Reference(), 1.0, table});
+  ControlInput in;
+  in.pressure_Pa = in.port_Pa = {4e5, 4e5};
+  std::vector<double> seen;
+  for (in.tick = -2; in.tick < 12; ++in.tick) law.step(in), seen.push_back(law.state().u_pass_V);
+  CHECK(seen == std::vector{0.0, 0.0, 0.0, 0.1, 0.2, 0.3, 0.4, 0.2, 0.3, 0.4, 0.2, 0.3, 0.4, 0.2});
 }

@@ -1,5 +1,6 @@
 // What a command pass found (docs/physics/command_pass.md): the command along a reference, and what a law sees there.
 #pragma once
+#include <cstddef>
 #include <vector>
 
 namespace pneuservo {
@@ -18,9 +19,10 @@ struct PassTick {
   double u_V = 0.0, formula_V = 0.0, F_N = 0.0, motion_N = 0.0;
 };
 
-/// Ticks from the reference's time 0 on. It rests before the first row as there, after the last as there.
+/// Ticks from the reference's time 0 on. It rests before the first row as there.
 struct PassTable {
   static constexpr double rest_s = 0.5;  ///< the rest before time 0 from which it begins
+  std::size_t repeats = 1;    ///< ticks at the end that stand for all later ones, again and again
   std::vector<PassRow> rows;  ///< none: set points come at run time, and passes with them
   /// Position in the ticks after one more volt for a period, in the closed loop; empty: not asked for.
   std::vector<double> response_m_per_V{};

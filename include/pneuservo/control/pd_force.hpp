@@ -219,6 +219,7 @@ class PdForce {
     fade_left_ = fade_ticks_;
     followed_ = rows;
     followed_from_ = from;
+    followed_repeats_ = 1;
   }
 
   /// How far ahead of t the second reference point of a step lies [s]; 0 without flow feedforward.
@@ -243,7 +244,7 @@ class PdForce {
   bool takes_passes_ = false;
   std::shared_ptr<const std::vector<PassTick>> pass_;  ///< of the reference; copies of the law share it
   std::span<const PassTick> followed_;  ///< empty: the formula alone
-  std::int64_t followed_from_ = 0;
+  std::int64_t followed_from_ = 0, followed_repeats_ = 1, pass_repeats_ = 1;
   std::int64_t fade_ticks_ = 1, fade_left_ = 0;
   PassPart faded_{};  ///< of the last tick before another pass, or none, was followed
   RepeatedMove move_{};  ///< is off without learning

@@ -79,6 +79,11 @@ class Reference {
   double end_s() const noexcept { return end_s_; }
   /// True if the motion comes to an end (every part does): the run is judged over the move, not over its second half.
   bool is_move() const noexcept { return end_s_ < std::numeric_limits<double>::infinity(); }
+  /// From `from_s` on it does the same every `period_s`; 0: it rests, infinity: it has no period that is known.
+  struct Repetition {
+    double from_s = 0.0, period_s = 0.0;
+  };
+  Repetition repetition() const;
   /// Extremes of derivative `order` (0: position [m] ... 6) over [0, duration_s]; cold: it samples the span and
   /// refines every turning point. duration_s > 0.
   ReferenceExtremes extremes(int order, double duration_s) const;

@@ -103,11 +103,12 @@ std::string AxisLoop::make_pass() {
   pass.number = number;
   std::string why = pass_maker_->make(request, pass, [&] { return move_passes_.is_awaited(number); });
   move_passes_.post_draft();
-  return why;
+  return why.empty() && move_passes_.was_missed(number) ? MovePassMaker::late_words(request.move) : why;
 }
 
 void AxisLoop::rearm() noexcept {
   waits_for_pass_ = follows_pass_ = pass_begins_ = false;
+  move_passes_.drop(planned_);
   may_move_still_ = supervisor_.has_moved();
   stood_at_m_ = Row::none;
   stood_s_ = 0.0;
@@ -202,7 +203,7 @@ void AxisLoop::follow_passes(std::int64_t tick) noexcept {
     planned_ = move.number;
     waits_for_pass_ = move.from_rest;
     if (move.from_rest) move_passes_.request({move, control_in_.pressure_Pa[0]});
-    else follow(nullptr, 0);
+    else move_passes_.drop(move.number), follow(nullptr, 0);
   }
   if (!waits_for_pass_ || tick < move.begin_tick) return;
   waits_for_pass_ = false;

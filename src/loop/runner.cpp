@@ -57,6 +57,8 @@ void run_simulated(const Rig& rig, ControlLoop& loop, Backend& backend, const Ru
     tick += skipped;
     out.overruns += skipped;
     loop.note_slept(injected_sleep_ns(settings, tick));
+    // Not sooner: commands that come meanwhile replace each other.
+    if (loop.pass_due() && tick >= loop.pass_needed_tick()) say_why(settings, loop.make_pass());
     if (!pass(tick, skipped)) {
       out.ended_by_backend = true;
       break;
@@ -68,8 +70,6 @@ void run_simulated(const Rig& rig, ControlLoop& loop, Backend& backend, const Ru
     note_fault(settings, course, loop, tick);
     if (!goes_on) break;
     if (loop.learning_due()) loop.learn(rig.axis);
-    // Not sooner: commands that come meanwhile replace each other.
-    if (loop.pass_due() && tick + 1 >= loop.pass_needed_tick()) say_why(settings, loop.make_pass());
   }
   out.stopped_by_signal = StopRequest::requested();
   loop.stop(backend, tick + 1);

@@ -120,7 +120,7 @@ std::size_t shorten(Rig& rig, const Reference& reference) {
   if (learns || !(ticks <= most) || !(rests || (is_whole && fitting >= least_periods)))
     throw std::invalid_argument(fmt::format(
         "a command pass: found a run of {:.0f} periods, expected at most {} (duration_s), or a reference that "
-        "repeats after a whole number of them, without controller.learning",
+        "repeats after a whole number of them, three times or more within those, without controller.learning",
         periods, most_pass_ticks));
   rig.duration_s = ticks * rig.period_s;
   return rests ? 1 : static_cast<std::size_t>(period);

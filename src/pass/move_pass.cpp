@@ -2,8 +2,8 @@
 #include "pass/move_pass.hpp"
 
 #include <algorithm>
+#include <exception>
 #include <memory>
-#include <stdexcept>
 
 #include <fmt/format.h>
 
@@ -13,7 +13,15 @@ namespace {
 /// Learned beyond the end of the move: its rest, which the last tick then stands for.
 constexpr double settling_s = 0.25;
 
+std::string formula_words(const PlannedMove& move, const std::string& why) {
+  return fmt::format("the move from {:.4g} to {:.4g} m goes by the formula: {}", move.from_m, move.to_m, why);
+}
+
 }  // namespace
+
+std::string MovePassMaker::late_words(const PlannedMove& move) {
+  return formula_words(move, "its pass was not ready within reference.pass_within_s");
+}
 
 MovePassMaker::MovePassMaker(const Rig& rig) : rig_(rig) {
   planner_.configure(live_limits(rig.reference), rig.period_s);
@@ -31,6 +39,7 @@ std::shared_ptr<const LivePlanner> MovePassMaker::planned(const PlannedMove& mov
 
 std::string MovePassMaker::make(const MovePassRequest& request, MovePass& out, const GoesOn& goes_on) {
   out.law.clear(), out.prediction.clear();
+  if (!goes_on()) return {};
   const Reference reference(planned(request.move));
   Rig rig = rig_;
   rig.duration_s = reference.end_s() + settling_s;
@@ -38,8 +47,8 @@ std::string MovePassMaker::make(const MovePassRequest& request, MovePass& out, c
       std::clamp(request.pressure_1_Pa, rig.axis.air.atmosphere_Pa, rig.axis.supply.pressure_Pa);
   rig.initial.pressure_2_Pa.reset();
   const auto refused = [&](const std::string& why) {
-    return fmt::format("the move from {:.4g} to {:.4g} m goes by the formula: {}", request.move.from_m,
-                       request.move.to_m, why);
+    out.law.clear(), out.prediction.clear();
+    return formula_words(request.move, why);
   };
   if (const double ticks = rig.duration_s / rig.period_s; ticks > static_cast<double>(most_pass_ticks))
     return refused(fmt::format("it takes {:.0f} periods, a pass has at most {}", ticks, most_pass_ticks));
@@ -50,7 +59,7 @@ std::string MovePassMaker::make(const MovePassRequest& request, MovePass& out, c
     if (const std::string why = unfollowed_words(rig, reference, pass); !why.empty()) return refused(why);
     out.law = law_.pass_ticks(*pass.table(rig, true), reference);
     out.prediction = law_.pass_ticks(*pass.table(rig, false), reference);
-  } catch (const std::invalid_argument& error) { return refused(error.what()); }
+  } catch (const std::exception& error) { return refused(error.what()); }  // no memory: the axis goes on
   return {};
 }
 

@@ -18,6 +18,8 @@ class MovePassMaker {
   /// Learns along the move, from rest at the pressure that the request states. Without a pass `out` has no ticks, and
   /// why is returned, in a sentence without its full stop; empty where `goes_on` ended the work.
   std::string make(const MovePassRequest& request, MovePass& out, const GoesOn& goes_on);
+  /// Of a move that began before its pass was there.
+  static std::string late_words(const PlannedMove& move);
 
  private:
   std::shared_ptr<const LivePlanner> planned(const PlannedMove& move) const;

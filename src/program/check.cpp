@@ -35,7 +35,7 @@ struct CheckOptions {
   RealTimeSettings session;
 };
 
-/// The pass of the longest move at full speed, and how long it takes here.
+/// The pass of the longest way at full speed, and how long it takes here.
 std::vector<Finding> grade_move_passes(const Rig& rig) {
   const ReferenceSpec& live = rig.reference;
   MovePassMaker maker(rig);
@@ -47,9 +47,10 @@ std::vector<Finding> grade_move_passes(const Rig& rig) {
   const std::chrono::duration<double> took = std::chrono::steady_clock::now() - begin;
   if (!why.empty())
     return {{FindingLevel::acceptable, "command pass", why, "state less reference.speed_mps or acceleration_mps2"}};
-  const std::string found = fmt::format("that of a move over the whole range takes {:.2g} s here, within {:g} s "
-                                        "(reference.pass_within_s)",
-                                        took.count(), live.pass_within_s);
+  const std::string found =
+      fmt::format("that of a move over the whole range at full speed takes {:.2g} s here, within {:g} s "
+                  "(reference.pass_within_s)",
+                  took.count(), live.pass_within_s);
   if (took.count() < live.pass_within_s) return {{FindingLevel::good, "command pass", found, ""}};
   return {{FindingLevel::acceptable, "command pass", found + ": it goes by the formula",
            "state a longer reference.pass_within_s"}};

@@ -50,7 +50,8 @@ std::uint32_t whole_number(double value) {
 }
 
 /// A recording of another period cannot be replayed; one of another config can, and is told. What options of `run` set
-/// beside the config, the duration and the pressure source, is taken from the recording.
+/// beside the config, the duration, the pressure source and the feedforward (also the one that a run without a pass
+/// went on with), is taken from the recording.
 void adopt_header(const Recording& recording, Rig& rig) {
   const double period_s = header_number(recording, "period_s", recording.period_s);
   if (std::isfinite(period_s) && period_s != rig.period_s)
@@ -63,6 +64,11 @@ void adopt_header(const Recording& recording, Rig& rig) {
     const Rig recorded = parse_rig(config.Scalar(), recording.path + ", header");
     rig.duration_s = recorded.duration_s;
     if (const auto source = recorded.controller.pressures()) rig.controller.choose_pressures(*source);
+    if (rig.controller.is<PdForce>() && recorded.controller.is<PdForce>()) {
+      PdForceParameters& law = rig.controller.of<PdForce>();
+      const PdForceParameters& ran = recorded.controller.of<PdForce>();
+      law.flow_feedforward = ran.flow_feedforward, law.without_pass = ran.without_pass;
+    }
     if (same_rig(recorded, rig)) return;
     reason = "was made with another config or other --set";
   } catch (const InputError& error) {

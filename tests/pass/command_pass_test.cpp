@@ -1,8 +1,10 @@
 // The command pass: what is learned, on lines with and without effects, and what is refused.
 #include <catch2/catch.hpp>
 
+#include <algorithm>
 #include <cmath>
 
+#include <pneuservo/loop/axis_loop.hpp>
 #include <pneuservo/rig/plant.hpp>
 
 #include "loop/loop_rigs.hpp"
@@ -232,6 +234,21 @@ TEST_CASE("a long sine repeats its last period, a long rest its last tick, as we
   CHECK(pass.ticks.size() % 1000 == 1);
   CHECK(predicted_error_m(lasting, sine, pass, FeedforwardSource::pass) <
         1.2 * predicted_error_m(brief, sine, make_command_pass(brief, sine), FeedforwardSource::pass));
+  // The loop beyond the table errs as within it.
+  SimBackend backend(lasting);
+  backend.configure();
+  backend.activate();
+  AxisLoop loop;
+  loop.configure(lasting);
+  double within_m = 0.0, beyond_m = 0.0;
+  for (std::int64_t tick = 0; tick < 70'000; ++tick) {
+    REQUIRE(loop.pass(backend, tick, 0, nullptr, nullptr));
+    if (tick < 50'000) continue;
+    double& most_m = tick < 60'000 ? within_m : beyond_m;
+    most_m = std::max(most_m, std::fabs(loop.row().x_true_m - loop.row().x_ref_m));
+  }
+  CHECK(beyond_m < 1.3 * within_m);
+  CHECK(beyond_m < 0.1e-3);
   const Rig resting = rig_of("cylinder-5m-6.10mm", {short_move, "duration_s=500"});
   const CommandPass move = make_command_pass(resting, Reference(resting.reference));
   CHECK(move.feasible);

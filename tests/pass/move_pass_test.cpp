@@ -155,11 +155,60 @@ TEST_CASE("a pass that comes after the begin of its move is never followed") {
   axis.loop().make_pass();
   axis.run(rest_ticks);
   CHECK(begun_passes(axis) == 0);
-  // Nor is it by the next move.
+  CHECK(axis.last().x_true_m == Approx(-0.1).margin(1e-3));
+}
+
+TEST_CASE("a pass that is ready is not followed by another move than its own") {
+  Axis axis(served_rig());
+  prove(axis);
+  axis.ask(move_to(-0.1));
+  axis.run(100);
+  axis.makes_passes = false;
   axis.ask(move_to(0.1));
   axis.run(wait_ticks + rest_ticks);
   CHECK(begun_passes(axis) == 0);
   CHECK(axis.last().x_true_m == Approx(0.1).margin(1e-3));
+  CHECK(axis.loop().make_pass() ==
+        "the move from 0.02 to 0.1 m goes by the formula: its pass was not ready within reference.pass_within_s");
+}
+
+TEST_CASE("a move that is taken back is no work, and no refusal is told of it") {
+  Axis axis(served_rig());
+  prove(axis);
+  axis.makes_passes = false;
+  axis.ask(move_to(-0.1));
+  axis.ask({CommandKind::stop});
+  REQUIRE(axis.loop().pass_due());
+  CHECK(axis.loop().make_pass().empty());
+  axis.makes_passes = true;
+  axis.ask(move_to(-0.1));
+  axis.run(wait_ticks + 10);
+  CHECK(begun_passes(axis) == 1);
+}
+
+TEST_CASE("a command in the tick after the begin of a move ends its pass, and moves at once") {
+  Axis axis(served_rig());
+  prove(axis);
+  axis.ask(move_to(-0.1));
+  axis.run(wait_ticks - 1);
+  const std::size_t asked = axis.rows().size();
+  axis.ask(move_to(0.1));
+  CHECK(begun_passes(axis) == 1);
+  axis.run(rest_ticks);
+  CHECK(axis.last().x_ref_m == 0.1);
+  CHECK(term(axis.rows()[asked], "u_pass_V") == 0.0);
+  for (std::size_t i = asked + 50; i < axis.rows().size(); ++i)
+    REQUIRE(std::fabs(axis.rows()[i].x_true_m - axis.rows()[i].x_ref_m) < 3e-3);
+}
+
+TEST_CASE("commands in quick succession do not keep the axis where it is") {
+  Axis axis(served_rig());
+  prove(axis);
+  for (int i = 0; i < 10; ++i) axis.ask(move_to(i % 2 == 0 ? 0.1 : 0.09)), axis.run(40);
+  CHECK(axis.last().x_ref_m > 0.021);
+  for (int i = 0; i < 60; ++i) axis.ask(move_to(0.1)), axis.run(40);
+  CHECK(axis.last().x_ref_m == 0.1);
+  CHECK(axis.loop().faults() == 0);
 }
 
 TEST_CASE("random commands with rests: no fault, and what was obeyed replays with the same passes, bit for bit") {

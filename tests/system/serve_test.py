@@ -15,6 +15,12 @@ expect_refusal(run("check", CONFIG, "--set", "reference.lowest_m=0.12"), ["highe
 expect_refusal(run("check", CONFIG, "--set", "reference.speed_mps=9"), ["speed"], "a speed beyond the valve")
 expect_refusal(run("command", "status", "--socket", at("nobody.sock")), ["nobody.sock", "serve"], "no axis there")
 
+# `run` plays the trial motion by the formula, and its replay knows.
+done = run("run", CONFIG, "--duration-s", "2", "--record", at("trial.csv.gz"))
+expect(done.returncode == 0 and "not for the trial motion" in done.stderr, f"run of a served config: {done}")
+done = run("replay", CONFIG, at("trial.csv.gz"))
+expect(done.returncode == 0 and "bit for bit" in done.stdout and "another config" not in done.stderr, f"its replay: {done}")
+
 axis = Served(CONFIG, "axis", "--set", "serve.part_s=20")
 expect_refusal(run("serve", CONFIG, "--socket", axis.socket), ["another program"], "a second axis at the same socket")
 

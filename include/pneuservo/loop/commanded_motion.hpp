@@ -129,12 +129,15 @@ class CommandedMotion {
     plan_changed();
     return true;
   }
-  // From the tick on, or from rest later: what the move needs is made meanwhile.
+  // From the tick on, or from rest later: what the move needs is made meanwhile. One that takes the place of another
+  // that waits begins when that would have: commands in quick succession must not keep the axis where it is.
   bool replan(std::int64_t tick, double target_m, double speed_mps) noexcept {
-    const bool waits = wait_ > 0 && proven_ && planner_.rests(tick);
+    const bool waits = wait_ > 0 && proven_ && planner_.rests(tick + 1);
+    const bool waited = waits && planned_.from_rest && planned_.begin_tick > tick;
+    if (waited && target_m == planned_.to_m && speed_mps == planned_.speed_mps) return true;
     const double from_m = planner_.at(tick).d[0];
-    const std::int64_t begin_tick = waits ? tick + wait_ : tick;
-    if (waits) planner_.stop(tick);  // what waits already
+    const std::int64_t begin_tick = waited ? planned_.begin_tick : waits ? tick + wait_ : tick;
+    if (waited) planner_.stop(tick);
     if (!planner_.move_to(begin_tick, target_m, speed_mps)) return false;
     planned_ = {planned_.number + 1, waits && target_m != from_m, begin_tick, from_m, target_m, speed_mps};
     return true;

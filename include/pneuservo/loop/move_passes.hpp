@@ -31,25 +31,31 @@ class MovePasses {
   void request(const MovePassRequest& request) noexcept { requests_.post(request); }
   /// Once for a move, when it begins; null: there is no pass of it. What was taken before lasts no longer.
   const MovePass* take(std::uint64_t number) noexcept {
-    begun_.store(number, std::memory_order_relaxed);
     const MovePass* pass = passes_.take();
-    return pass != nullptr && pass->number == number && !pass->law.empty() ? pass : nullptr;
+    const bool is_made = pass != nullptr && pass->number == number;
+    if (!is_made) missed_.store(number, std::memory_order_relaxed);
+    over_.store(number, std::memory_order_relaxed);
+    return is_made && !pass->law.empty() ? pass : nullptr;
   }
+  /// Nobody waits for the pass of this move or of an earlier one any more.
+  void drop(std::uint64_t number) noexcept { over_.store(number, std::memory_order_relaxed); }
 
   // Beside it.
   bool is_due() const noexcept { return requests_.has_new(); }
   bool take_request(MovePassRequest& request) noexcept { return requests_.take(request); }
   /// Whether somebody still waits for the pass of this move.
   bool is_awaited(std::uint64_t number) const noexcept {
-    return !requests_.has_new() && begun_.load(std::memory_order_relaxed) < number;
+    return !requests_.has_new() && over_.load(std::memory_order_relaxed) < number;
   }
+  /// Whether this move began before its pass was there.
+  bool was_missed(std::uint64_t number) const noexcept { return missed_.load(std::memory_order_relaxed) == number; }
   MovePass& draft() noexcept { return passes_.draft(); }
   void post_draft() noexcept { passes_.post_draft(); }
 
  private:
   Mailbox<MovePassRequest> requests_;
   Mailbox<MovePass> passes_;
-  std::atomic<std::uint64_t> begun_{0};
+  std::atomic<std::uint64_t> over_{0}, missed_{0};
 };
 
 }  // namespace pneuservo

@@ -142,8 +142,18 @@ void Search::search_singles() {
   if (tried_.size() > known) polish_best(1);
   settle_in_deepest_valley(1);
   if (restart_siblings()) polish_best(1);
+  refit_owner_at_best();
   if (const Explanation* best = best_of(1)) first_gain_ = best->log_evidence - owner_.log_evidence;
   if (settings_.grow_floor) take_floor_at_best();
+}
+
+// From the values of the best name: a fit that ended in a valley of its own makes a name of what the owner grants.
+void Search::refit_owner_at_best() {
+  const Explanation* best = best_of(1);
+  if (best == nullptr || best->log_evidence - owner_.log_evidence < rules_.doubted_gain) return;
+  Explanation again{{}, continued_fit(best->fit, {}, {})};
+  polish({&again}, 4);
+  if (!again.fit.failed && again.log_evidence > owner_.log_evidence) owner_ = std::move(again);
 }
 
 void Search::fit_owner() {

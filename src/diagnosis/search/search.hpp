@@ -158,6 +158,7 @@ class Search {
   void polish_best(std::size_t members);
   void take_defect_at_best(std::size_t members);
   void search_singles();
+  void refit_owner_at_best();
   void fit_owner();
   void fit_owner_beside_slow_error();
   /// Beside the slow error the supply may swing where a sine of its pressure explains more than chance; true: it may,

@@ -4,11 +4,11 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
-#include <random>
 #include <string>
 #include <vector>
 
 #include <pneuservo/control/pd_force.hpp>
+#include <pneuservo/core/random.hpp>
 #include <pneuservo/loop/axis_loop.hpp>
 
 #include "core/test_seed.hpp"
@@ -28,14 +28,16 @@ Rig served_rig(const std::vector<std::string>& sets = {}) { return config_rig("s
 
 AxisCommand move_to(double position_m, double speed_mps = 0.4) { return {CommandKind::move_to, position_m, speed_mps}; }
 
-/// Moves once, so that the start is proven, and rests at 20 mm.
-void prove(Axis& axis) {
-  axis.enable();
-  axis.ask(move_to(0.02));
-  axis.run(3000);
-  REQUIRE(axis.loop().supervisor().motion().proven());
-  REQUIRE(axis.last().v_ref_mps == 0.0);
-}
+/// Has moved once, so that its start is proven, and rests at 20 mm.
+struct ProvenAxis : Axis {
+  explicit ProvenAxis(const Rig& rig = served_rig()) : Axis(rig) {
+    enable();
+    ask(move_to(0.02));
+    run(3000);
+    REQUIRE(loop().supervisor().motion().proven());
+    REQUIRE(last().v_ref_mps == 0.0);
+  }
+};
 
 /// Largest distance from the set point since a row.
 double error_since_m(const Axis& axis, std::size_t row) {
@@ -65,9 +67,8 @@ bool go_on() { return true; }
 TEST_CASE("a move from rest waits for its pass and errs by a tenth of what it does by the formula") {
   double error_m[2];
   for (const bool makes : {false, true}) {
-    Axis axis(served_rig());
+    ProvenAxis axis;
     axis.makes_passes = makes;
-    prove(axis);
     const std::size_t asked = axis.rows().size();
     const AxisAnswer answer = axis.ask(move_to(-0.1));
     CHECK(answer.target == -0.1);
@@ -90,8 +91,7 @@ TEST_CASE("a move from rest waits for its pass and errs by a tenth of what it do
 }
 
 TEST_CASE("the prediction follows the move's pass as the axis does") {
-  Axis axis(served_rig({"sensors.port_pressure.noise_Pa=0", "sensors.chamber_pressure.noise_Pa=0"}));
-  prove(axis);
+  ProvenAxis axis(served_rig({"sensors.port_pressure.noise_Pa=0", "sensors.chamber_pressure.noise_Pa=0"}));
   const std::size_t asked = axis.rows().size();
   axis.ask(move_to(-0.1));
   axis.run(wait_ticks + rest_ticks);
@@ -100,8 +100,7 @@ TEST_CASE("the prediction follows the move's pass as the axis does") {
 }
 
 TEST_CASE("another command in motion fades the pass out within 50 ms and goes on by the formula") {
-  Axis axis(served_rig());
-  prove(axis);
+  ProvenAxis axis;
   axis.ask(move_to(-0.1, 0.2));
   axis.run(wait_ticks + 400);
   const double before_V = term(axis.last(), "u_feedforward_V");
@@ -122,8 +121,7 @@ TEST_CASE("another command in motion fades the pass out within 50 ms and goes on
 }
 
 TEST_CASE("commands while a move waits: stop takes it back, hold keeps it, another target replaces it") {
-  Axis axis(served_rig());
-  prove(axis);
+  ProvenAxis axis;
   axis.ask(move_to(-0.1));
   axis.run(100);
   CHECK(axis.ask({CommandKind::stop}).target == 0.02);
@@ -146,8 +144,7 @@ TEST_CASE("commands while a move waits: stop takes it back, hold keeps it, anoth
 }
 
 TEST_CASE("a pass that comes after the begin of its move is never followed") {
-  Axis axis(served_rig());
-  prove(axis);
+  ProvenAxis axis;
   axis.makes_passes = false;
   axis.ask(move_to(-0.1));
   axis.run(wait_ticks + 5);
@@ -159,8 +156,7 @@ TEST_CASE("a pass that comes after the begin of its move is never followed") {
 }
 
 TEST_CASE("a pass that is ready is not followed by another move than its own") {
-  Axis axis(served_rig());
-  prove(axis);
+  ProvenAxis axis;
   axis.ask(move_to(-0.1));
   axis.run(100);
   axis.makes_passes = false;
@@ -173,8 +169,7 @@ TEST_CASE("a pass that is ready is not followed by another move than its own") {
 }
 
 TEST_CASE("a move that is taken back is no work, and no refusal is told of it") {
-  Axis axis(served_rig());
-  prove(axis);
+  ProvenAxis axis;
   axis.makes_passes = false;
   axis.ask(move_to(-0.1));
   axis.ask({CommandKind::stop});
@@ -187,8 +182,7 @@ TEST_CASE("a move that is taken back is no work, and no refusal is told of it") 
 }
 
 TEST_CASE("a command in the tick after the begin of a move ends its pass, and moves at once") {
-  Axis axis(served_rig());
-  prove(axis);
+  ProvenAxis axis;
   axis.ask(move_to(-0.1));
   axis.run(wait_ticks - 1);
   const std::size_t asked = axis.rows().size();
@@ -202,8 +196,7 @@ TEST_CASE("a command in the tick after the begin of a move ends its pass, and mo
 }
 
 TEST_CASE("commands in quick succession do not keep the axis where it is") {
-  Axis axis(served_rig());
-  prove(axis);
+  ProvenAxis axis;
   for (int i = 0; i < 10; ++i) axis.ask(move_to(i % 2 == 0 ? 0.1 : 0.09)), axis.run(40);
   CHECK(axis.last().x_ref_m > 0.021);
   for (int i = 0; i < 60; ++i) axis.ask(move_to(0.1)), axis.run(40);
@@ -214,22 +207,18 @@ TEST_CASE("commands in quick succession do not keep the axis where it is") {
 TEST_CASE("random commands with rests: no fault, and what was obeyed replays with the same passes, bit for bit") {
   const auto seed = test::new_seed();
   CAPTURE(seed);
-  std::mt19937_64 random(seed);
-  const auto uniform = [&](double low, double high) {
-    return std::uniform_real_distribution<double>(low, high)(random);
-  };
+  Random random(seed);
   const Rig rig = served_rig({"reference.pass_within_s=0.05"});
-  Axis axis(rig);
-  prove(axis);
+  ProvenAxis axis(rig);
   for (int i = 0; i < 40; ++i) {
-    axis.makes_passes = random() % 4 != 0;
-    switch (random() % 6) {
+    axis.makes_passes = random.uniform(0.0, 1.0) < 0.75;
+    switch (static_cast<int>(random.uniform(0.0, 6.0))) {
       case 0: axis.ask({CommandKind::stop}); break;
-      case 1: axis.ask({CommandKind::jog, 0.0, uniform(0.01, 0.4)}); break;
-      case 2: axis.ask({CommandKind::move_by, uniform(-0.05, 0.05), uniform(0.01, 0.4)}); break;
-      default: axis.ask(move_to(uniform(-0.12, 0.12), uniform(0.05, 0.4)));
+      case 1: axis.ask({CommandKind::jog, 0.0, random.uniform(0.01, 0.4)}); break;
+      case 2: axis.ask({CommandKind::move_by, random.uniform(-0.05, 0.05), random.uniform(0.01, 0.4)}); break;
+      default: axis.ask(move_to(random.uniform(-0.12, 0.12), random.uniform(0.05, 0.4)));
     }
-    axis.run(1 + static_cast<int>(random() % 1500));
+    axis.run(static_cast<int>(random.uniform(1.0, 1500.0)));
     REQUIRE(axis.loop().faults() == 0);
   }
   CHECK(begun_passes(axis) > 0);

@@ -208,8 +208,8 @@ class PdForce {
 
   /// What this law takes of a pass of the reference; from its configuration alone. Cold.
   std::vector<PassTick> pass_ticks(const PassTable& pass, const Reference& reference) const;
-  /// Over which another pass, or none, takes the place of the one before: shorter than what the lines let the piston
-  /// feel, longer than their first resonances.
+  /// Over which another pass, or none, takes the place of the one before. On lines of 2 to 10 m the error is the same
+  /// within 2 % from 1 to 200 ms; below 25 ms the command steps by up to 0.14 V, above not beyond its noise.
   static constexpr double pass_fade_s = 0.05;
   /// From the next step on follows a pass whose first row is that of ControlInput::tick `from`; none: the formula
   /// alone. The rows stay the caller's, and last as long as they are followed. HOT.

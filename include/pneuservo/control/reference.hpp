@@ -50,7 +50,7 @@ inline bool needs_file(const ReferenceSpec& spec) {
 ReferenceSpec live_trial(const ReferenceSpec& live);
 /// Two of its moves: over the whole range and back, with a rest before and between.
 ReferenceSpec live_moves(const ReferenceSpec& live);
-inline constexpr double live_rest_s = 0.5;  ///< of both
+inline constexpr double live_rest_s = 0.5;  ///< of both: that from which a command pass begins (PassTable::rest_s)
 
 /// Smallest and largest value of one derivative of a reference over a time span.
 struct ReferenceExtremes {

@@ -265,6 +265,9 @@ std::vector<double> closed_loop_response_m_per_V(const Rig& rig, const Reference
   return response;
 }
 
+namespace {
+
+/// Errs by more than with the formula; empty where it does not.
 std::string unfollowed_words(const Rig& rig, const Reference& reference, const CommandPass& pass) {
   const double by_pass_m = predicted_error_m(rig, reference, pass, FeedforwardSource::pass),
                by_formula_m = predicted_error_m(rig, reference, pass, FeedforwardSource::formula),
@@ -275,6 +278,7 @@ std::string unfollowed_words(const Rig& rig, const Reference& reference, const C
                      1e3 * by_pass_m, 1e3 * by_formula_m);
 }
 
+/// What of the reference is not feasible.
 std::string missing_words(const Rig& rig, const CommandPass& pass) {
   std::string found = fmt::format("{:.2g} N of the force are missing", pass.left_N);
   if (pass.limited_share > 0.0)
@@ -283,7 +287,8 @@ std::string missing_words(const Rig& rig, const CommandPass& pass) {
   return "the lines cannot carry the reference: " + found;
 }
 
-std::string refusal_words(const Rig& rig, const Reference& reference, const CommandPass& pass) {
+/// The same and what the lines can do instead: eight passes.
+std::string instead_words(const Rig& rig, const Reference& reference, const CommandPass& pass) {
   const auto feasible = [&](const MotionScale& scale) { return make_command_pass(rig, reference, scale).feasible; };
   const double speed = largest_share([&](double share) { return feasible({.speed = share}); });
   const double size = largest_share([&](double share) { return feasible({.size = share}); });
@@ -293,17 +298,21 @@ std::string refusal_words(const Rig& rig, const Reference& reference, const Comm
   return missing_words(rig, pass) + "; " + instead;
 }
 
+}  // namespace
+
+std::string refusal_words(const Rig& rig, const Reference& reference, const CommandPass& pass, PassWords words) {
+  if (pass.feasible) return unfollowed_words(rig, reference, pass);
+  return words == PassWords::full ? instead_words(rig, reference, pass) : missing_words(rig, pass);
+}
+
 PassTables pass_tables(const Rig& rig, const Reference& reference, PassWords words) {
   if (!rig.controller.wants_pass()) return {};
   if (rig.reference.kind == ReferenceKind::live) return {std::make_shared<PassTable>(), std::make_shared<PassTable>()};
   const CommandPass pass = make_command_pass(rig, reference);
-  if (!pass.feasible)
-    throw std::invalid_argument(fmt::format(
-        "controller.flow_feedforward: found pass, but {}; expected a slower or shorter reference, or formula",
-        words == PassWords::full ? refusal_words(rig, reference, pass) : missing_words(rig, pass)));
-  if (const std::string why = unfollowed_words(rig, reference, pass); !why.empty())
-    throw std::invalid_argument(fmt::format(
-        "controller.flow_feedforward: found pass, but {}; expected formula, or a reference that begins slower", why));
+  if (const std::string why = refusal_words(rig, reference, pass, words); !why.empty())
+    throw std::invalid_argument(fmt::format("controller.flow_feedforward: found pass, but {}; expected {}", why,
+                                            pass.feasible ? "formula, or a reference that begins slower"
+                                                          : "a slower or shorter reference, or formula"));
   const std::shared_ptr<PassTable> law = pass.table(rig, true);
   if (rig.controller.of<PdForce>().learns()) law->response_m_per_V = closed_loop_response_m_per_V(rig, reference, pass);
   return {law, pass.table(rig, false)};

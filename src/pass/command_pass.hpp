@@ -49,10 +49,12 @@ using GoesOn = std::function<bool()>;
 CommandPass make_command_pass(const Rig& rig, const Reference& reference, const MotionScale& scale = {},
                               const GoesOn& goes_on = {});
 
-/// What of the reference is not feasible; a sentence without its full stop.
-std::string missing_words(const Rig& rig, const CommandPass& pass);
-/// The same and what the lines can do instead. Cold: eight passes.
-std::string refusal_words(const Rig& rig, const Reference& reference, const CommandPass& pass);
+/// What a sentence on a missing pass tells: what is missing, or what the lines can do instead, too, which takes as long
+/// as eight passes.
+enum class PassWords { short_words, full };
+/// Why a loop does not follow this pass: the lines cannot carry it, or the loop errs by more than with the formula,
+/// beyond what most_left_N makes. Empty where it does; a sentence without its full stop.
+std::string refusal_words(const Rig& rig, const Reference& reference, const CommandPass& pass, PassWords words);
 
 /// Position [m/V] in the ticks after one more volt for a period, in the closed loop of the config at rest at the
 /// reference's start: linear, without dry friction and what the valve's path does to small commands. Cold: four seconds
@@ -64,9 +66,6 @@ std::vector<double> closed_loop_response_m_per_V(const Rig& rig, const Reference
 struct PassTables {
   std::shared_ptr<const PassTable> law, prediction;
 };
-/// What a sentence on a missing pass tells: what is missing, or what the lines can do instead, too, which takes as long
-/// as eight passes.
-enum class PassWords { short_words, full };
 /// Throws std::invalid_argument with a sentence where the law asks for a pass and there is none.
 PassTables pass_tables(const Rig& rig, const Reference& reference, PassWords words = PassWords::full);
 struct PassOrFormula {
@@ -82,9 +81,5 @@ std::string heed_missing_pass(const std::string& config, Rig& rig, const LoadPos
 /// Largest distance of the simulated closed loop from the reference, on the pass's own model without noise [m], with
 /// the pass or with another feedforward from the same rest.
 double predicted_error_m(const Rig& rig, const Reference& reference, const CommandPass& pass, FeedforwardSource by);
-
-/// Why this loop does not follow a feasible pass: it errs by more than with the formula, beyond what most_left_N makes;
-/// empty where it does. A sentence without its full stop.
-std::string unfollowed_words(const Rig& rig, const Reference& reference, const CommandPass& pass);
 
 }  // namespace pneuservo

@@ -55,8 +55,8 @@ std::string MovePassMaker::make(const MovePassRequest& request, MovePass& out, c
   try {
     const CommandPass pass = make_command_pass(rig, reference, {}, goes_on);
     if (!goes_on()) return {};
-    if (!pass.feasible) return refused(missing_words(rig, pass));
-    if (const std::string why = unfollowed_words(rig, reference, pass); !why.empty()) return refused(why);
+    if (const std::string why = refusal_words(rig, reference, pass, PassWords::short_words); !why.empty())
+      return refused(why);
     out.law = law_.pass_ticks(*pass.table(rig, true), reference);
     out.prediction = law_.pass_ticks(*pass.table(rig, false), reference);
   } catch (const std::exception& error) { return refused(error.what()); }  // no memory: the axis goes on

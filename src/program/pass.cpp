@@ -35,8 +35,7 @@ struct PassResult {
 PassResult result_of(const Rig& rig, const Reference& reference) {
   PassResult result{.pass = make_command_pass(rig, reference), .predicted_error_m = 0.0, .refusal = ""};
   result.predicted_error_m = predicted_error_m(rig, reference, result.pass, FeedforwardSource::pass);
-  result.refusal =
-      result.pass.feasible ? unfollowed_words(rig, reference, result.pass) : refusal_words(rig, reference, result.pass);
+  result.refusal = refusal_words(rig, reference, result.pass, PassWords::full);
   return result;
 }
 

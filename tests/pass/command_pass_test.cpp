@@ -160,7 +160,7 @@ TEST_CASE("a reference that the lines cannot carry is refused with what they can
   const CommandPass pass = make_command_pass(rig, reference);
   REQUIRE_FALSE(pass.feasible);
   CHECK(pass.largest_command_V == 5.0);
-  const std::string words = refusal_words(rig, reference, pass);
+  const std::string words = refusal_words(rig, reference, pass, PassWords::full);
   CAPTURE(words);
   const auto number_before = [&](const char* word) {
     const std::size_t end = words.find(word);

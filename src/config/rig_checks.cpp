@@ -153,6 +153,23 @@ void check_payload_change(const Rig& rig, std::string_view section, const Check&
                  fmt::format("more than -(slider.mass_kg + slider.payload_kg) ({})", number_text(-moves_kg)));
 }
 
+/// Points of a table ascend, where it has values.
+void check_tables(const Rig& rig, std::string_view section, const Check& check) {
+  visit_effects(rig, [&](const Field& effect, const auto& table) {
+    using Effect = std::remove_cvref_t<decltype(table)>;
+    if constexpr (requires { table.place; }) {
+      if (!table.is_there()) return;
+      std::vector<std::string_view> keys;
+      Effect::visit([&](const Field& key, double) { keys.push_back(key.key); }, table);
+      for (std::size_t i = 1; i < table.place.size(); ++i)
+        if (!(table.place[i] > table.place[i - 1]))
+          check.refuse(fmt::format("{}.{}.{}", section, effect.key, keys[i]), {}, number_text(table.place[i]),
+                       fmt::format("more than {} ({}): points in ascending order", keys[i - 1],
+                                   number_text(table.place[i - 1])));
+    }
+  });
+}
+
 /// A supply that swings stays one.
 void check_supply_swing(const Rig& rig, std::string_view section, const Check& check) {
   const double swing_Pa = rig.axis.effects.supply_swing.amplitude_Pa,
@@ -412,6 +429,7 @@ void check_pneumatic(const Rig& rig, const Check& check) {
 void check_effects(const Rig& rig, std::string_view section, const Check& check) {
   check.of({"slider", section}, [&] { check_coupled_loads(rig, section, check); });
   check.of({"slider", section}, [&] { check_payload_change(rig, section, check); });
+  check.of({section}, [&] { check_tables(rig, section, check); });
   if (!rig.is_pneumatic() && !rig.controls_pressure()) return;
   check.of({"line_1", "line_2", section}, [&] { check_line_effects(rig, section, check); });
   check.of({"air", "supply", section}, [&] { check_supply_swing(rig, section, check); });

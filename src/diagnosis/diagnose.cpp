@@ -16,6 +16,7 @@
 #include "diagnosis/doubts/recording_doubts.hpp"
 #include "diagnosis/latent/latent_judgement.hpp"
 #include "diagnosis/latent/latent_picture.hpp"
+#include "diagnosis/latent/unknown_curve.hpp"
 #include "diagnosis/recordings/recorded_rigs.hpp"
 #include "diagnosis/recordings/stretches.hpp"
 #include "diagnosis/recordings/telling_pieces.hpp"
@@ -284,6 +285,28 @@ void add_stated(const ResidualModel& model, const Decision& decision, const Deci
   }
 }
 
+/// What stands for an unknown, or of a driven axis for what its names leave, where that was asked for; the improved
+/// config has it.
+void add_curve(const Rig& rig, ResidualModel& model, const Decision& decision, const Search& search,
+               const DiagnoseOptions& options, Diagnosis& out) {
+  if (!options.with_curve || out.verdict == Verdict::consistent || out.stopped || out.answers.empty()) return;
+  const bool is_unknown = out.verdict == Verdict::unknown;
+  if (!is_unknown && (rig.kind != RigKind::driven_axis || decision.levels.highest() <= options.rules.floor_level))
+    return;
+  if (options.progress) options.progress(0.98, "curve of what no name explains");
+  const std::string element = is_unknown ? out.answers.front().element : "motion";
+  out.curve =
+      curve_of_unknown(rig, model, search, {element, is_unknown ? &search.owner() : decision.chosen, options.is_whole},
+                       options.rules, options.stop);
+  if (out.curve) out.improved = out.curve->improved;
+  else
+    out.warnings.push_back(
+        fmt::format("no table stands for what is missing at {}: --as-curve knows forces over "
+                    "position, speed and time, leaks over pressure and a valve's areas over its "
+                    "command, and none is {:g} in log evidence ahead and leaves less of what is held out",
+                    element_words(element), options.rules.alarm_gain));
+}
+
 /// Everything that a decision and its search say.
 void tell(const Rig& rig, ResidualModel& model, const Decision& decision, const LatentJudgement& judgement,
           const Search& search, const std::vector<Screened>& screening, const DiagnoseOptions& options,
@@ -310,6 +333,7 @@ void tell(const Rig& rig, ResidualModel& model, const Decision& decision, const 
   add_times(model, out);
   add_next_experiment(rig, model, decision, search, options, out);
   out.improved = decision.chosen->fit.hypothesis().rig;
+  add_curve(rig, model, decision, search, options, out);
   out.sentence = verdict_sentence(out);
 }
 
@@ -427,11 +451,32 @@ PreparedDiagnosis prepare_diagnosis(const Rig& configured, std::vector<Recording
 }
 
 Diagnosis diagnose(const Rig& configured, std::vector<Recording> recordings, const DiagnoseOptions& options) {
+  const std::vector<RecordedMotion> motions =
+      options.self_test > 0 ? motions_of(recordings) : std::vector<RecordedMotion>{};
   PreparedDiagnosis prepared = prepare_diagnosis(configured, std::move(recordings), "diagnose", options);
-  Diagnosis out = diagnose(prepared.rig, *prepared.model, options);
+  DiagnoseOptions of_these = options;
+  of_these.is_whole = prepared.coverage.choice.empty();
+  Diagnosis out = diagnose(prepared.rig, *prepared.model, of_these);
   out.coverage = std::move(prepared.coverage);
   out.recordings = std::move(prepared.recordings);
   out.warnings.insert(out.warnings.end(), prepared.warnings.begin(), prepared.warnings.end());
+  if (options.self_test == 0) return out;
+  DiagnoseOptions again = of_these;
+  again.self_test = 0;
+  again.virtual_machine = {};
+  again.progress = {};
+  int done = 0;
+  try {
+    add_self_test(
+        prepared.rig, motions, options.self_test, options.following_machine,
+        [&](std::vector<Recording> played) {
+          if (options.progress) options.progress(0.99, fmt::format("self-test {} of {}", ++done, options.self_test));
+          return diagnose(configured, std::move(played), again);
+        },
+        out);
+  } catch (const DiagnosisStopped&) {  // the verdict stands
+    out.warnings.emplace_back("stopped early: the verdict is complete, its self-test was not made");
+  }
   return out;
 }
 

@@ -8,6 +8,7 @@
 
 #include "diagnosis/diagnosis.hpp"
 #include "diagnosis/search/fit.hpp"
+#include "diagnosis/self_test.hpp"
 #include "diagnosis/verdict/decision.hpp"
 #include "diagnosis/verdict/next_experiment.hpp"
 #include "record/reader.hpp"
@@ -21,6 +22,10 @@ struct DiagnoseOptions {
   DecisionRules rules;
   std::vector<std::string> left_out;  ///< names that are not tried: what is said where the list has a gap
   bool with_free_functions = false;  ///< of time, at each element: they say where an unknown sits and judge the names
+  bool with_curve = false;  ///< of an unknown: the table that stands best for it
+  bool is_whole = true;  ///< recordings are compared from their start on, so that time is theirs
+  int self_test = 0;  ///< machines as the answer has them that are diagnosed, too
+  FollowingMachine following_machine;  ///< plays them
   VirtualMachine
       virtual_machine;  ///< makes the recordings that a next experiment is chosen by; empty: none is proposed
 };

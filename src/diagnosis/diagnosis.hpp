@@ -110,6 +110,20 @@ struct UnknownPicture {
   std::string words;  ///< what it goes with
 };
 
+/// A function by its points, fitted for what no name explains.
+struct UnknownCurve {
+  std::vector<std::string> effects;  ///< of the config: one table, or one for each direction
+  std::vector<std::string> beside;   ///< names that it stands beside; none: the owner's model
+  std::string over, over_unit, unit;
+  struct Point {
+    double place = 0, value = 0, standard_error = 0;
+  };
+  std::vector<Point> points;  ///< ascending
+  double gain = 0;            ///< in log evidence over what it stands beside
+  std::vector<ChannelFit> channels;
+  Rig improved;  ///< the owner's config with it, as fitted
+};
+
 /// A free function of time at an element beside the owner's model; its size as its standard deviation.
 struct FreeFunction {
   std::string element, what, unit;
@@ -117,6 +131,12 @@ struct FreeFunction {
   double level = 0;        ///< likeliest
   double memory_s = 0;
   double upper_level = 0;  ///< what is larger is excluded with 95 %
+};
+
+/// Machines as the answer has them, diagnosed in the same way.
+struct SelfTest {
+  int machines = 0, same = 0;        ///< played; with the same verdict and the same names
+  std::vector<std::string> others;  ///< what was said of the others
 };
 
 struct Diagnosis {
@@ -140,8 +160,10 @@ struct Diagnosis {
   std::vector<DetectableSize> detectable;
   std::vector<MovedParameter> moved;
   std::optional<UnknownPicture> picture;  ///< of `unknown`
+  std::optional<UnknownCurve> curve;      ///< of what no name explains, where one was asked for
   std::vector<FreeFunction> functions;    ///< best first
   std::optional<ProposedExperiment> next_experiment;
+  std::optional<SelfTest> self_test;  ///< where one was asked for and could be made
   bool stopped = false;  ///< ended early; what stands here is what was known by then
 
   Rig configured, improved;  ///< improved: the best model, as a config

@@ -89,6 +89,28 @@ Json picture_json(const std::optional<UnknownPicture>& picture) {
           {"log_evidence", picture->gain}, {"level", picture->level}, {"words", picture->words}};
 }
 
+Json curve_json(const std::optional<UnknownCurve>& curve) {
+  if (!curve) return nullptr;
+  Json points = Json::array(), channels = Json::object();
+  for (const UnknownCurve::Point& p : curve->points)
+    points.push_back({{"place", p.place}, {"value", p.value}, {"standard_error", p.standard_error}});
+  for (const ChannelFit& c : curve->channels)
+    channels[c.column] = {{"noise", c.noise},
+                          {"before", c.before},
+                          {"after", c.after},
+                          {"held_out_before", c.held_out_before},
+                          {"held_out_after", c.held_out_after}};
+  return {{"effects", curve->effects}, {"beside", curve->beside},
+          {"over", curve->over},       {"over_unit", curve->over_unit},
+          {"unit", curve->unit},       {"log_evidence", curve->gain},
+          {"points", points},          {"channels", channels}};
+}
+
+Json self_test_json(const std::optional<SelfTest>& test) {
+  if (!test) return nullptr;
+  return {{"machines", test->machines}, {"same", test->same}, {"others", test->others}};
+}
+
 }  // namespace
 
 Json diagnosis_json(const Diagnosis& diagnosis) {
@@ -132,7 +154,9 @@ Json diagnosis_json(const Diagnosis& diagnosis) {
           {"parameters_moved", moved},
           {"detectable", detectable},
           {"unknown_picture", picture_json(diagnosis.picture)},
+          {"curve", curve_json(diagnosis.curve)},
           {"free_functions", functions},
+          {"self_test", self_test_json(diagnosis.self_test)},
           {"next_experiment", experiment_json(diagnosis.next_experiment)}};
 }
 

@@ -113,7 +113,22 @@ std::string functions_text(const Diagnosis& diagnosis) {
   return out;
 }
 
+std::string curve_text(const UnknownCurve& curve) {
+  std::string out =
+      fmt::format("\nwhat no name explains, as a table over {} beside {}: {:.0f} in log evidence ahead\n{}", curve.over,
+                  beside_words(curve), curve.gain, misfits_text(curve.channels));
+  out += fmt::format("{:>14} [{}]  {} [{}]  standard error\n", curve.over, curve.over_unit,
+                     fmt::join(curve.effects, ", "), curve.unit);
+  for (const UnknownCurve::Point& p : curve.points)
+    out += fmt::format("  {:>12.4g}{:>20.4g}{:>14.2g}\n", p.place, p.value, p.standard_error);
+  return out;
+}
+
 }  // namespace
+
+std::string beside_words(const UnknownCurve& curve) {
+  return curve.beside.empty() ? "the config" : fmt::format("{}", fmt::join(curve.beside, " and "));
+}
 
 std::string element_words(std::string_view element) {
   if (element.starts_with("sensor:")) return fmt::format("sensor of {}", element.substr(7));
@@ -128,6 +143,13 @@ std::string value_text(double value) { return std::isfinite(value) ? fmt::format
 
 std::string explanation_text(const RankedExplanation& explanation) {
   return explanation.effects.empty() ? "nothing" : fmt::format("{}", fmt::join(explanation.effects, " + "));
+}
+
+std::string self_test_text(const SelfTest& test) {
+  std::string out = fmt::format("self-test: of {} machines as this answer has them {} got the same answer\n",
+                                test.machines, test.same);
+  for (const std::string& other : test.others) out += fmt::format("  another: {}\n", other);
+  return out;
 }
 
 std::string verdict_sentence(const Diagnosis& diagnosis) {
@@ -172,6 +194,8 @@ std::string diagnosis_text(const Diagnosis& diagnosis) {
     out += fmt::format("  {:<40}{:>12.5g} -> {:<12.5g} ({:+.1f} tolerances)\n", m.path, m.configured, m.fitted,
                        m.tolerances);
   }
+  if (diagnosis.curve) out += curve_text(*diagnosis.curve);
+  if (diagnosis.self_test) out += "\n" + self_test_text(*diagnosis.self_test);
   if (!diagnosis.functions.empty()) out += functions_text(diagnosis);
   if (diagnosis.verdict == Verdict::consistent)
     out += "\nsmallest sizes that would have been seen\n" + smallest_sizes(diagnosis);

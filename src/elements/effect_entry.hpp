@@ -11,6 +11,7 @@
 #include <vector>
 
 #include <pneuservo/core/signal.hpp>
+#include <pneuservo/elements/point_table.hpp>
 
 namespace pneuservo {
 
@@ -152,6 +153,7 @@ enum class EffectRole {
   granted,  ///< every real machine has it: allowed for beside other physics, never a name
   disturbance,  ///< other in each recording: told with its frequency, and no config holds it
   played,  ///< for configs and simulations: no verdict looks for it
+  table,  ///< a function by its points, drawn where a verdict is `unknown` at its element; never a name
 };
 
 /// The simpler law that an effect contains: it is that law where `extra` is nothing beside `beside`, or where both
@@ -194,10 +196,11 @@ struct EffectEntry {
   std::string_view element{};  ///< where it sits, without its side
   std::string_view family{};  ///< names that mimic each other in recordings, without their side; of a sensor: its own
   EffectRole role = EffectRole::law;
-  Few<ParameterTrait, 6> parameters{};
+  Few<ParameterTrait, 8> parameters{};
   unsigned shown_by = 0;  ///< bits of Excitation
   bool is_never_added = false;  ///< to other names
   bool is_of_plain_axes = false;  ///< looked for where no pressures act on the slider
+  std::string_view over{};  ///< of a table: position, speed, time, pressure
   /// Of a granted one: names of effects and paths of numbers that its own are where they are all alike.
   Few<std::string_view, 2> stands_for{};
   std::string_view same_as{};  ///< path of a number that is the one at fault where the owner states it
@@ -205,6 +208,12 @@ struct EffectEntry {
   Few<StatedSize, 4> smallest{};  ///< first rung of the trial machines; empty: they have none of it
   Few<EffectSignature, 2> signatures{};
 };
+
+/// The values of a table, each with the same prior.
+constexpr Few<ParameterTrait, 8> table_values(const TableKeys& keys, EffectScale scale, double spread) {
+  const auto at = [&](std::size_t i) { return amplitude(keys.values[i], scale, spread); };
+  return {at(0), at(1), at(2), at(3), at(4), at(5), at(6), at(7)};
+}
 
 /// An effect's name apart: chamber_leak_1 is chamber_leak and 1, sensor_gain:x is sensor_gain and x.
 struct EffectName {

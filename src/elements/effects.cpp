@@ -1,4 +1,6 @@
 // Entries of the effects of valve, supply, lines, chambers and piston.
+#include <pneuservo/elements/effects.hpp>
+
 #include "elements/effect_entry.hpp"
 
 namespace pneuservo {
@@ -11,7 +13,7 @@ constexpr std::array<double, 3> droop_areas{0.1, 0.3, 1};
 constexpr std::array<double, 3> droop_volumes{2e-4, 1e-3, 5e-3};
 constexpr std::array<double, 3> restriction_sizes{0.1, 0.5, 2};
 
-constexpr Few<ParameterTrait, 6> of_each_edge(double spread, double small_spread) {
+constexpr Few<ParameterTrait, 8> of_each_edge(double spread, double small_spread) {
   const auto edge = [&](std::string_view key) { return amplitude(key, one, spread).small(small_spread); };
   return {edge("supply_1"), edge("exhaust_1"), edge("supply_2"), edge("exhaust_2")};
 }
@@ -302,6 +304,13 @@ constexpr EffectEntry pneumatic_entries[] = {
      .parameters = {amplitude("area_m2", valve_area, 0.01, 2.5e-5),
                     shape("center_m", half_stroke, 0.5, leak_zone_centers).over_motion(),
                     shape("width_m", half_stroke, 0.7, leak_zone_widths).by(Variation::logarithmic)}},
+    {.name = "leak_over_pressure",
+     .words = "a leak of chamber # by a table over its pressure",
+     .element = "chamber",
+     .family = "table",
+     .role = EffectRole::table,
+     .parameters = table_values(leak_over_pressure_keys, valve_area, 0.01),
+     .over = "pressure"},
 };
 
 }  // namespace

@@ -1,4 +1,6 @@
 // Entries of the effects of the slider: frictions, loads and couplings.
+#include <pneuservo/elements/motion_effects.hpp>
+
 #include "elements/effect_entry.hpp"
 
 namespace pneuservo {
@@ -197,6 +199,27 @@ constexpr EffectEntry motion_entries[] = {
      .family = "periodic_force",
      .role = EffectRole::disturbance,
      .parameters = {amplitude("amplitude_N", force, 0.03, 5e-5)}},
+    {.name = "force_over_position",
+     .words = "a load by a table over position",
+     .element = "motion",
+     .family = "table",
+     .role = EffectRole::table,
+     .parameters = table_values(force_over_position_keys, force, 0.03),
+     .over = "position"},
+    {.name = "friction_over_speed",
+     .words = "dry friction by a table over speed",
+     .element = "motion",
+     .family = "table",
+     .role = EffectRole::table,
+     .parameters = table_values(friction_over_speed_keys, force, 0.03),
+     .over = "speed"},
+    {.name = "force_over_time",
+     .words = "a load by a table over time",
+     .element = "motion",
+     .family = "table",
+     .role = EffectRole::table,
+     .parameters = table_values(force_over_time_keys, force, 0.03),
+     .over = "time"},
 };
 
 }  // namespace

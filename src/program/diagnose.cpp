@@ -28,8 +28,8 @@ struct DiagnoseVerbOptions {
   std::string config, json, report, improved, next_experiment, picture;
   RecordingChoice recordings;
   std::vector<std::string> sets, left_out;
-  int jobs = 0;
-  bool latent = false, quiet = false;
+  int jobs = 0, self_test = 0;
+  bool latent = false, as_curve = false, quiet = false;
 };
 
 constexpr const char* nothing_known = "pneuservo: stopped before anything was known";
@@ -106,6 +106,9 @@ int run_diagnose(const DiagnoseVerbOptions& options) {
   settings.jobs = options.jobs;
   settings.left_out = options.left_out;
   settings.with_free_functions = options.latent || !options.picture.empty();
+  settings.with_curve = options.as_curve;
+  settings.self_test = options.self_test;
+  settings.following_machine = follow_virtually;
   // It takes longer than the diagnosis itself: only for those who look at it.
   if (!options.next_experiment.empty() || !options.report.empty()) settings.virtual_machine = record_virtual_run;
   settings.stop = StopRequest::requested;
@@ -143,6 +146,14 @@ void add_diagnose(CommandLine& app, int& status) {
       "--latent", options->latent,
       "a free function of time at each element: where an unknown sits, how it looks, how large it could hide");
   verb.add_option("--picture", options->picture, "course of an unknown as CSV; with --latent");
+  verb.add_flag("--as-curve", options->as_curve,
+                "of an unknown: a table in its place (force over position, speed or time; leak over pressure; valve's "
+                "area over command), in --improved, too");
+  verb.add_option(
+          "--self-test", options->self_test,
+          "so many machines as the answer has them are simulated and diagnosed as well, each in the time of this "
+          "one; no probability is told above the share that got the same answer")
+      .within(0, 1000);
   verb.add_option("--leave-out", options->left_out, "name that is not tried, for tools/ablation-trial").hidden();
   verb.add_option("--jobs", options->jobs, "threads; 0: all of the machine").within(0, 1024);
   add_set_option(verb, options->sets);

@@ -25,7 +25,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr std::array role_names{"law", "description", "granted", "disturbance", "played"};
+constexpr std::array role_names{"law", "description", "granted", "disturbance", "played", "table"};
 constexpr std::array variation_names{"linear", "logarithmic", "inverse_square"};
 constexpr std::array growth_names{"held", "twice", "narrower"};
 constexpr std::array excitation_names{"many_speeds", "both_ways", "places_again", "a_radian"};
@@ -168,6 +168,7 @@ Json effect_json(const NamedEffect& effect, const std::optional<Rig>& rig) {
           {"of_every_machine", std::any_of(entry.parameters.begin(), entry.parameters.end(),
                                            [](const ParameterTrait& t) { return t.small_spread > 0; })},
           {"contains", entry.contains.name},
+          {"over", entry.over},
           {"shown_by", std::move(shown_by)},
           {"keys", std::move(keys)},
           {"smallest", smallest_json(effect, rig)},
@@ -182,7 +183,11 @@ std::string effects_text(const std::vector<NamedEffect>& effects) {
     places.push_back(on_side_of(effect.entry->element, effect.name));
     std::vector<std::string_view> own;
     for (const auto& [key, neutral] : effect.keys) own.push_back(key.key);
-    keys.push_back(fmt::format("{}", fmt::join(own, ", ")));
+    // A table's points have a number each.
+    const bool is_table = effect.entry->role == EffectRole::table;
+    const std::size_t half = own.size() / 2;
+    keys.push_back(is_table ? fmt::format("{} to {}, {} to {}", own.front(), own[half - 1], own[half], own.back())
+                            : fmt::format("{}", fmt::join(own, ", ")));
   }
   return text_table({"",
                      {text_column("effect", names), text_column("what", words), text_column("element", places),

@@ -272,4 +272,26 @@ std::vector<Plot> unknown_plots(const UnknownPicture& picture) {
   return out;
 }
 
+Plot curve_plot(const UnknownCurve& curve) {
+  const HandyUnit handy = handy_unit_of(curve.unit);
+  Plot plot;
+  plot.title = fmt::format("against {}", curve.over);
+  plot.unit = handy.unit;
+  plot.x_title = curve.over;
+  plot.x_unit = curve.over_unit;
+  Curve points{"table", after_tone, {}, {}, false, false};
+  Band band{"two standard errors", after_tone, {}, {}, {}};
+  for (const UnknownCurve::Point& point : curve.points) {
+    const double value = handy.factor * point.value, width = 2 * handy.factor * point.standard_error;
+    points.x.push_back(point.place);
+    points.y.push_back(value);
+    band.x.push_back(point.place);
+    band.low.push_back(value - width);
+    band.high.push_back(value + width);
+  }
+  plot.curves.push_back(std::move(points));
+  plot.bands.push_back(std::move(band));
+  return plot;
+}
+
 }  // namespace pneuservo

@@ -28,5 +28,7 @@ Plot residual_plot(const Diagnosis& diagnosis, std::size_t channel, ResidualAxis
 Plot unknown_course_plot(const UnknownPicture& picture, int recording);
 /// The same against position, velocity, pressures and command, as binned means with their spread.
 std::vector<Plot> unknown_plots(const UnknownPicture& picture);
+/// The points of a table with two standard errors.
+Plot curve_plot(const UnknownCurve& curve);
 
 }  // namespace pneuservo

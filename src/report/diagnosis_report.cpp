@@ -64,6 +64,7 @@ void add_answers(HtmlPage& page, const Diagnosis& diagnosis) {
     if (!answer.ambiguous_with.empty()) page.alert(ambiguity_sentence(answer));
     if (!answer.note.empty()) page.paragraph(answer.note);
   }
+  if (diagnosis.self_test) page.paragraph(self_test_text(*diagnosis.self_test));
   if (is_named(diagnosis)) page.table(estimates_table(diagnosis));
   if (diagnosis.explained_share > 0 && is_named(diagnosis))
     page.paragraph(fmt::format("Together this takes {:.1f} % of the squared mismatch above the noise floors.",
@@ -87,6 +88,17 @@ void add_unknown(HtmlPage& page, const Diagnosis& diagnosis) {
                 plots.begin() + static_cast<std::ptrdiff_t>(std::min(first + 3, plots.size()))});
 }
 
+void add_curve(HtmlPage& page, const Diagnosis& diagnosis) {
+  if (!diagnosis.curve) return;
+  const UnknownCurve& curve = *diagnosis.curve;
+  page.section("What no name explains, as a table",
+               fmt::format("{}, fitted beside {} with the tolerances free: {:.0f} in log evidence ahead. It is no law; "
+                           "the improved config has it.",
+                           fmt::join(curve.effects, " and "), beside_words(curve), curve.gain));
+  page.plots({curve_plot(curve)});
+  page.table(fit_table(curve.channels));
+}
+
 /// Only where not everything is compared.
 void add_coverage(HtmlPage& page, const Diagnosis& diagnosis) {
   const Coverage& coverage = diagnosis.coverage;
@@ -101,7 +113,7 @@ void add_proof(HtmlPage& page, const Diagnosis& diagnosis) {
                "found. Held out: the last second of every four, which no fit has seen. The floor is the noise of the "
                "sensor and the model's own error together. The correlation of neighbouring rows is 0 where nothing but "
                "noise is left.");
-  page.table(fit_table(diagnosis));
+  page.table(fit_table(diagnosis.channels));
   const std::string left =
       std::isfinite(diagnosis.error_left)
           ? fmt::format("On the held-out stretches {:.1f} % of the error is left", 100 * diagnosis.error_left)
@@ -183,6 +195,7 @@ HtmlPage make_page(const Diagnosis& diagnosis) {
   add_picture(page, diagnosis);
   add_answers(page, diagnosis);
   add_unknown(page, diagnosis);
+  add_curve(page, diagnosis);
   add_experiment(page, diagnosis);
   add_coverage(page, diagnosis);
   add_proof(page, diagnosis);

@@ -83,8 +83,7 @@ Table estimates_table(const Diagnosis& diagnosis) {
   return table;
 }
 
-Table fit_table(const Diagnosis& diagnosis) {
-  const auto& channels = diagnosis.channels;
+Table fit_table(const std::vector<ChannelFit>& channels) {
   const auto figures = [&](std::string title, double ChannelFit::* member) {
     return column(std::move(title), "", channels, [member](const ChannelFit& c) { return value_text(c.*member); });
   };

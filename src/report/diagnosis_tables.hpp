@@ -13,7 +13,7 @@ Table coverage_table(const Coverage& coverage);
 /// Every estimated parameter of the answers with its standard error.
 Table estimates_table(const Diagnosis& diagnosis);
 /// Root mean square of simulation minus recording by channel, before and after, fitted and held out, beside the floor.
-Table fit_table(const Diagnosis& diagnosis);
+Table fit_table(const std::vector<ChannelFit>& channels);
 /// Explanations that were fitted in full, best first.
 Table candidates_table(const Diagnosis& diagnosis);
 /// Parameters of the config that moved inside their tolerances.

@@ -77,6 +77,13 @@ AxisParameters<double> random_axis(Random& random) {
   e.motion.elastic_load = {sometimes(0.4), 12.0, 0.05};
   e.motion.load_backlash = {sometimes(0.4), 5e-4, 60.0, 0.2};
   e.motion.periodic_force = {sometimes(3.0), 8.0, 0.2};
+  for (std::size_t i = 0; i < PointTable<double>::points; ++i) {
+    const auto place = static_cast<double>(i);
+    e.motion.force_over_position.place[i] = 0.02 * place;
+    e.motion.force_over_position.value[i] = sometimes(3.0);
+    e.leak_over_pressure_1.place[i] = 1e5 * (1.0 + place);
+    e.leak_over_pressure_1.value[i] = sometimes(3e-8);
+  }
   e.frequency_dependent_losses.share = sometimes(1.0);
   return axis;
 }

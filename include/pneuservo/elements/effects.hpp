@@ -251,6 +251,16 @@ template <class S> struct ChamberRelief {
     v(Field{"opening_Pa", "Pa", 1e3, 1e8, "p_0, absolute: closed below"}, p.opening_Pa...);
   }
 };
+/// What a diagnosis draws of a flow that has no name (docs/diagnose.md).
+inline constexpr TableKeys leak_over_pressure_keys{
+    {"pressure_1_Pa", "pressure_2_Pa", "pressure_3_Pa", "pressure_4_Pa", "pressure_5_Pa", "pressure_6_Pa",
+     "pressure_7_Pa", "pressure_8_Pa"},
+    {"area_1_m2", "area_2_m2", "area_3_m2", "area_4_m2", "area_5_m2", "area_6_m2", "area_7_m2", "area_8_m2"},
+    {"", "Pa", 0, 1e8, "ascending, absolute, of the chamber"},
+    {"", "m2", 0, 1e-2, "orifice from chamber to atmosphere there"}};
+template <class S> struct LeakOverPressure : PointTable<S> {
+  template <class V, class... P> static void visit(V&& v, P&... p) { leak_over_pressure_keys.visit(v, p...); }
+};
 /// A throttle with a check valve at the cylinder's port, or the cushion of an end: what leaves the chamber passes its
 /// area, what enters passes freely. Area 0: none.
 template <class S> struct FlowControl {
@@ -341,6 +351,7 @@ template <class S> struct AxisEffects {
   ChamberRelief<S> chamber_relief_1, chamber_relief_2;
   PistonLeak<S> piston_leak;
   PistonLeakZone<S> piston_leak_zone;
+  LeakOverPressure<S> leak_over_pressure_1, leak_over_pressure_2;
   /// Those of an axis without pneumatics.
   template <class V, class... P> static void visit_without_air(V&& v, P&... p) {
     MotionEffects<S>::visit_without_air(v, p.motion...);
@@ -405,6 +416,10 @@ template <class S> struct AxisEffects {
     v(Field{"chamber_relief_2", "", 0, 0, "relief valve of chamber 2", optional}, p.chamber_relief_2...);
     v(Field{"piston_leak_zone", "", 0, 0, "leak between the chambers about one place", optional},
       p.piston_leak_zone...);
+    v(Field{"leak_over_pressure_1", "", 0, 0, "leak of chamber 1 by a table over its pressure", optional},
+      p.leak_over_pressure_1...);
+    v(Field{"leak_over_pressure_2", "", 0, 0, "leak of chamber 2 by a table over its pressure", optional},
+      p.leak_over_pressure_2...);
   }
 };
 

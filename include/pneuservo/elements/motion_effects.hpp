@@ -3,6 +3,7 @@
 #pragma once
 #include <pneuservo/core/field.hpp>
 #include <pneuservo/core/scalar.hpp>
+#include <pneuservo/elements/point_table.hpp>
 
 namespace pneuservo {
 
@@ -186,6 +187,34 @@ template <class S> struct PeriodicForce {
   }
 };
 
+// What a diagnosis draws of a force that has no name (docs/diagnose.md).
+inline constexpr TableKeys force_over_position_keys{
+    {"position_1_m", "position_2_m", "position_3_m", "position_4_m", "position_5_m", "position_6_m", "position_7_m",
+     "position_8_m"},
+    {"force_1_N", "force_2_N", "force_3_N", "force_4_N", "force_5_N", "force_6_N", "force_7_N", "force_8_N"},
+    {"", "m", -10, 10, "ascending"},
+    {"", "N", -1e5, 1e5, "there, subtracted from the driving force"}};
+inline constexpr TableKeys friction_over_speed_keys{
+    {"speed_1_mps", "speed_2_mps", "speed_3_mps", "speed_4_mps", "speed_5_mps", "speed_6_mps", "speed_7_mps",
+     "speed_8_mps"},
+    force_over_position_keys.values,
+    {"", "m/s", 0, 100, "ascending, both ways alike"},
+    {"", "N", -1e5, 1e5, "against the motion there, beside all other dry friction; together not below zero"}};
+inline constexpr TableKeys force_over_time_keys{
+    {"time_1_s", "time_2_s", "time_3_s", "time_4_s", "time_5_s", "time_6_s", "time_7_s", "time_8_s"},
+    force_over_position_keys.values,
+    {"", "s", 0, 1e6, "ascending, from the run's start"},
+    force_over_position_keys.value};
+template <class S> struct ForceOverPosition : PointTable<S> {
+  template <class V, class... P> static void visit(V&& v, P&... p) { force_over_position_keys.visit(v, p...); }
+};
+template <class S> struct FrictionOverSpeed : PointTable<S> {
+  template <class V, class... P> static void visit(V&& v, P&... p) { friction_over_speed_keys.visit(v, p...); }
+};
+template <class S> struct ForceOverTime : PointTable<S> {
+  template <class V, class... P> static void visit(V&& v, P&... p) { force_over_time_keys.visit(v, p...); }
+};
+
 /// Everything that acts on the slider beside B v.
 template <class S> struct MotionEffects {
   CoulombFriction<S> coulomb_friction;
@@ -205,6 +234,9 @@ template <class S> struct MotionEffects {
   ElasticLoad<S> elastic_load;
   LoadBacklash<S> load_backlash;
   PeriodicForce<S> periodic_force;
+  ForceOverPosition<S> force_over_position;
+  FrictionOverSpeed<S> friction_over_speed;
+  ForceOverTime<S> force_over_time;
   template <class V, class... P> static void visit(V&& v, P&... p) {
     visit_without_air(v, p...);
     visit_seals(v, p...);
@@ -221,6 +253,9 @@ template <class S> struct MotionEffects {
     v(Field{"gravity_load", "", 0, 0, "weight on a lever that turns with the axis", optional}, p.gravity_load...);
     v(Field{"elastic_load", "", 0, 0, "load on a soft coupling", optional}, p.elastic_load...);
     v(Field{"load_backlash", "", 0, 0, "load coupled with play", optional}, p.load_backlash...);
+    v(Field{"force_over_position", "", 0, 0, "load by a table over position", optional}, p.force_over_position...);
+    v(Field{"friction_over_speed", "", 0, 0, "dry friction by a table over speed", optional}, p.friction_over_speed...);
+    v(Field{"force_over_time", "", 0, 0, "load by a table over time", optional}, p.force_over_time...);
   }
   template <class V, class... P> static void visit_seals(V&& v, P&... p) {
     v(Field{"pressure_dependent_friction", "", 0, 0, "seal friction that grows with pressure", Presence::optional},

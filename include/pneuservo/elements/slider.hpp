@@ -28,7 +28,10 @@ template <class S> class Slider {
                   absolute(effects.stribeck_friction.extra_force_N) + effects.direction_dependent_friction.forward_N +
                   effects.direction_dependent_friction.backward_N +
                   effects.pressure_dependent_friction.force_per_pressure_N_per_Pa + effects.friction_zone.force_N;
-    has_dry_friction_ = any(!(dry == S(0)));
+    has_speed_table_ = effects.friction_over_speed.is_there();
+    has_place_table_ = effects.force_over_position.is_there();
+    has_time_table_ = effects.force_over_time.is_there();
+    has_dry_friction_ = has_speed_table_ || any(!(dry == S(0)));
     load_.configure(effects.elastic_load);
     loose_load_.configure(effects.load_backlash);
     has_couplings_ = load_.is_there() || loose_load_.is_there();
@@ -40,7 +43,7 @@ template <class S> class Slider {
     has_presliding_ = has_dry_friction_ && any(effects.presliding.way_m > S(0));
     builds_up_ = has_bristles_ || has_presliding_;
     const PayloadChange<S>& change = effects.payload_change;
-    is_timed_ = any(!(change.mass_kg == S(0))) || any(!(change.weight_N == S(0)));
+    is_timed_ = has_time_table_ || any(!(change.mass_kg == S(0))) || any(!(change.weight_N == S(0)));
     set_time(time_);
   }
   /// Time from the run's start, which steps carry on; reset begins at 0.
@@ -50,6 +53,7 @@ template <class S> class Slider {
     const auto changed = time_ >= change.time_s;
     mass_ = own_mass_ + select(changed, change.mass_kg, S(0));
     added_weight_ = select(changed, change.weight_N, S(0));
+    if (has_time_table_) added_weight_ += effects_.force_over_time.at(time_);
     inverse_mass_ = S(1) / mass_;
   }
   /// With coupled loads at rest in the middle of their couplings.
@@ -68,18 +72,21 @@ template <class S> class Slider {
     const MotionEffects<S>& e = effects_;
     const S ratio = speed / e.stribeck_friction.velocity_mps;
     const S offset = (x - e.friction_zone.center_m) / e.friction_zone.width_m;
-    return e.coulomb_friction.force_N + e.stribeck_friction.coulomb_force_N +
-           e.stribeck_friction.extra_force_N * exponential(-ratio * ratio) +
-           select(sign > S(0), e.direction_dependent_friction.forward_N, e.direction_dependent_friction.backward_N) +
-           S(0.5) * e.pressure_dependent_friction.force_per_pressure_N_per_Pa * around.gauge_pressure_sum_Pa +
-           e.friction_zone.force_N * exponential(-offset * offset);
+    const S law =
+        e.coulomb_friction.force_N + e.stribeck_friction.coulomb_force_N +
+        e.stribeck_friction.extra_force_N * exponential(-ratio * ratio) +
+        select(sign > S(0), e.direction_dependent_friction.forward_N, e.direction_dependent_friction.backward_N) +
+        S(0.5) * e.pressure_dependent_friction.force_per_pressure_N_per_Pa * around.gauge_pressure_sum_Pa +
+        e.friction_zone.force_N * exponential(-offset * offset);
+    return has_speed_table_ ? maximum(law + e.friction_over_speed.at(speed), S(0)) : law;
   }
 
   /// Force [N] that is left of a driving force beside the loads at x.
   S less_load(const S& driving_force_N, const S& x) const noexcept {
     const S left = driving_force_N - effects_.constant_force.force_N -
                    effects_.spring_load.stiffness_N_per_m * (x - effects_.spring_load.rest_m);
-    const S beside = has_gravity_ ? left - effects_.gravity_load.at(x) : left;
+    S beside = has_gravity_ ? left - effects_.gravity_load.at(x) : left;
+    if (has_place_table_) beside -= effects_.force_over_position.at(x);
     return is_timed_ ? beside - added_weight_ : beside;
   }
   /// Force over velocity [N s/m] of all friction that vanishes with the speed, in direction sign (+1, -1; 0: without
@@ -197,7 +204,8 @@ template <class S> class Slider {
     restitution_{};
   MotionEffects<S> effects_;
   bool has_dry_friction_ = true, has_couplings_ = false, is_disturbed_ = false, has_gravity_ = false,
-       has_bristles_ = false, has_presliding_ = false, builds_up_ = false, is_timed_ = false;
+       has_bristles_ = false, has_presliding_ = false, builds_up_ = false, is_timed_ = false, has_place_table_ = false,
+       has_speed_table_ = false, has_time_table_ = false;
   CoupledLoad<S> load_, loose_load_;
   Oscillation<S> disturbance_;
   S position_{}, velocity_{}, bristles_{};

@@ -264,6 +264,9 @@ class PipelineEstimator {
     chamber_relief_ = sides<ChamberRelief<Lanes>>(e.chamber_relief_1, e.chamber_relief_2);
     leaks_ = any(chamber_leak_m2_ + chamber_relief_.area_per_pressure_m2_per_Pa > Lanes(0)) ||
              e.piston_leak.area_m2 > 0.0 || e.piston_leak_zone.area_m2 > 0.0;
+    leak_table_ = sides<LeakOverPressure<Lanes>>(e.leak_over_pressure_1, e.leak_over_pressure_2);
+    leaks_by_table_ = leak_table_.is_there();
+    leaks_ = leaks_ || leaks_by_table_;
     moves_otherwise_ = parameters.valve.on_off.has_value();
     ValveEffects<double>::visit(
         [this](const Field&, const auto& effect) {
@@ -284,7 +287,8 @@ class PipelineEstimator {
     const Lanes p = axis_.chamber_pressure(), T = axis_.chamber_temperature();
     const Lanes other_p = other_side(p), other_T = other_side(T), b(parameters_.valve.critical_pressure_ratio);
     const Lanes past_piston(e.piston_leak.area_m2 + e.piston_leak_zone.area_at(input_.x_m));
-    const Lanes area = chamber_leak_m2_ + chamber_relief_.area_at(p);
+    Lanes area = chamber_leak_m2_ + chamber_relief_.area_at(p);
+    if (leaks_by_table_) area += leak_table_.at(p);
     const Lanes out = orifice_mass_flow(air_, area, b, p, T, air_.atmosphere_Pa, air_.temperature_K);
     const Lanes across = orifice_mass_flow(air_, past_piston, b, p, T, other_p, other_T);
     return {-out - across,
@@ -427,6 +431,8 @@ class PipelineEstimator {
   Valves<double> valves_;
   Lanes chamber_leak_m2_;
   ChamberRelief<Lanes> chamber_relief_;
+  LeakOverPressure<Lanes> leak_table_;
+  bool leaks_by_table_ = false;
   bool corrects_flow_ = false, alike_ = true, leaks_ = false, moves_otherwise_ = false;
   double grid_share_of_cell_ = grid_share;
   double peak_decay_ = 0.0, rms_gain_ = 1.0, grid_decay_ = 0.0;

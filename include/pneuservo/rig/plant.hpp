@@ -78,7 +78,8 @@ template <class S> class AxisPlant {
     leak_zone_ = any(axis.effects.piston_leak_zone.area_m2 > S(0));
     relieves_ = any(axis.effects.chamber_relief_1.area_per_pressure_m2_per_Pa > S(0)) ||
                 any(axis.effects.chamber_relief_2.area_per_pressure_m2_per_Pa > S(0));
-    chambers_leak_ = chambers_leak_ || leak_zone_ || relieves_;
+    leaks_by_table_ = axis.effects.leak_over_pressure_1.is_there() || axis.effects.leak_over_pressure_2.is_there();
+    chambers_leak_ = chambers_leak_ || leak_zone_ || relieves_ || leaks_by_table_;
     droops_ = any(axis.effects.supply_droop.area_m2 > S(0));
     const SupplySwing<S>& swing = axis.effects.supply_swing;
     supply_swing_.configure(swing.amplitude_Pa, swing.frequency_Hz, swing.phase_rad);
@@ -241,6 +242,7 @@ template <class S> class AxisPlant {
     const auto& e = axis_.effects;
     S area_1 = e.chamber_leak_1.area_m2, area_2 = e.chamber_leak_2.area_m2;
     if (relieves_) area_1 += e.chamber_relief_1.area_at(low(p)), area_2 += e.chamber_relief_2.area_at(high(p));
+    if (leaks_by_table_) area_1 += e.leak_over_pressure_1.at(low(p)), area_2 += e.leak_over_pressure_2.at(high(p));
     const S out_1 = orifice_mass_flow(air_, area_1, b, low(p), low(T), p_atm, T_amb);
     const S out_2 = orifice_mass_flow(air_, area_2, b, high(p), high(T), p_atm, T_amb);
     S past_piston = axis_.effects.piston_leak.area_m2;
@@ -291,8 +293,8 @@ template <class S> class AxisPlant {
   Oscillation<S> supply_swing_;
   S last_force_{};
   double last_step_s_ = 0.0;  // 0: no step yet
-  bool chambers_leak_ = false, leak_zone_ = false, relieves_ = false, droops_ = false, swings_ = false, held_ = false,
-       disturbed_ = false, supply_is_imposed_ = false;
+  bool chambers_leak_ = false, leak_zone_ = false, relieves_ = false, leaks_by_table_ = false, droops_ = false,
+       swings_ = false, held_ = false, disturbed_ = false, supply_is_imposed_ = false;
 };
 
 /// What ideal sensors would show.

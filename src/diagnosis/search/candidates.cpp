@@ -304,6 +304,15 @@ std::vector<FreeParameter> nuisances(const Rig& rig, std::size_t start_factor_co
   return out;
 }
 
+std::vector<FreeParameter> table_values(const Rig& rig, const std::string& effect, const MotionRange& range) {
+  std::vector<FreeParameter> out;
+  const ScaleTable scales{rig, range};
+  visit_effects(rig, [&](const Field& field, const auto& table) {
+    if (field.key == effect) out = effect_candidate(effect, *find_effect(effect), fields_of(table), scales).parameters;
+  });
+  return out;
+}
+
 namespace {
 
 /// The names of an effect that the rig has: one, one a side, one a channel.

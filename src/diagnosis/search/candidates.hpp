@@ -45,6 +45,9 @@ struct Candidate {
 std::vector<Candidate> all_candidates(const Rig& rig, const std::vector<ResidualChannel>& channels,
                                       const MotionRange& range);
 
+/// The values of a table (EffectRole::table) that the rig can have, as free numbers beside what it has.
+std::vector<FreeParameter> table_values(const Rig& rig, const std::string& effect, const MotionRange& range);
+
 /// Parameters known within a tolerance, and the start factors: always free, with their priors, cut at +-3.
 std::vector<FreeParameter> nuisances(const Rig& rig, std::size_t start_factor_count, double start_factor_sigma);
 

@@ -38,12 +38,12 @@ DiagnoseOptions options_of(int jobs, const StopQuestion& stop, const Progress& t
 }
 
 std::unique_ptr<Diagnosis> run_diagnosis(const Config& config, const Recordings& recordings, const Recordings& held_out,
-                                         int jobs, bool latent, const nb::object& progress, const nb::object& cancel) {
+                                         int jobs, bool as_curve, const nb::object& progress, const nb::object& cancel) {
   std::vector<Recording> all = taken(recordings, held_out);
   std::unique_ptr<Diagnosis> result;
   const bool interrupted = watched("diagnose", {progress, cancel}, [&](const StopQuestion& stop, const Progress& tell) {
     DiagnoseOptions options = options_of(jobs, stop, tell);
-    options.with_free_functions = latent;
+    options.with_curve = as_curve;
     result = std::make_unique<Diagnosis>(diagnose(config.rig, std::move(all), options));
   });
   if (interrupted && !result->stopped) raise_interrupt("diagnose");
@@ -154,7 +154,7 @@ void bind_diagnosis(nb::module_& m) {
           "The config with what was found.")
       .def("__repr__", [](const Diagnosis& d) { return "<pneuservo.Diagnosis: " + d.sentence + ">"; });
   m.def("diagnose", &run_diagnosis, nb::arg("config"), nb::arg("recordings"), nb::arg("held_out"), nb::arg("jobs"),
-        nb::arg("latent"), nb::arg("progress").none(), nb::arg("cancel").none(), "See pneuservo.diagnose.");
+        nb::arg("as_curve"), nb::arg("progress").none(), nb::arg("cancel").none(), "See pneuservo.diagnose.");
   bind_improvement(m);
   bind_refit(m);
 }

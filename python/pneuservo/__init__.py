@@ -82,16 +82,16 @@ def _recordings(sources: Union[Source, Iterable[Source]], config: Config) -> Lis
 
 
 def diagnose(config: Config, recordings: Sequence[Source], held_out: Sequence[Source] = (), *, jobs: int = 0,
-             latent: bool = False, progress: Optional[Progress] = None,
+             as_curve: bool = False, progress: Optional[Progress] = None,
              cancel: Any = None) -> Diagnosis:
     """Where and why recordings of the machine differ from its config.
 
-    held_out: recordings that no fit sees. jobs: threads, 0: all of the machine. latent: a free function of time at each
-    element, too. progress(share, what) is called as it goes on; False from it cancels, as does a set threading.Event
+    held_out: recordings that no fit sees. jobs: threads, 0: all of the machine. as_curve: of an unknown a table in its
+    place, too. progress(share, what) is called as it goes on; False from it cancels, as does a set threading.Event
     in cancel. Ctrl-C or cancelling gives what is known by then, with `stopped` true. Where nothing is known yet, or all
     was done already, Ctrl-C raises KeyboardInterrupt; cancelling raises DiagnosisStopped in the first case.
     """
-    return _diagnose(config, _recordings(recordings, config), _recordings(held_out, config), jobs, latent, progress,
+    return _diagnose(config, _recordings(recordings, config), _recordings(held_out, config), jobs, as_curve, progress,
                      cancel)
 
 

@@ -248,21 +248,24 @@ Diagnosis empty_diagnosis(const Rig& rig) {
 }
 
 /// Takes the verdict from names that are clearly behind a free function.
-void take_refuted_names(const LatentJudgement& judgement, const Search& search, Decision& decision) {
-  if (!judgement.refutes_names() || decision.verdict == Verdict::unknown) return;
+void take_refuted_names(const LatentJudgement& judgement, const Search& search, const DecisionRules& rules,
+                        Decision& decision) {
+  if (decision.verdict == Verdict::unknown || !judgement.refutes_names(decision.chosen->members.size(), rules)) return;
   std::vector<std::string> names;
   for (const std::size_t m : decision.chosen->members) names.push_back(search.candidates()[m].name);
   decision.verdict = Verdict::unknown;
   decision.reason =
-      fmt::format("{} is {:.0f} in log evidence behind a free function of time at {}, and adds {:.0f} to it",
-                  fmt::join(names, " and "), -judgement.names_ahead, judgement.owner.inputs.front().input.element,
-                  judgement.names_bring);
+      fmt::format("{} and a free function of time at {}: {:+.0f} in log evidence between them, and {:.0f} that the "
+                  "{} to it",
+                  fmt::join(names, " and "), judgement.owner.inputs.front().input.element, judgement.names_ahead,
+                  judgement.names_bring, names.size() > 1 ? "names add" : "name adds");
 }
 
 /// What free functions say, and of an unknown its picture; the courses are there already.
 void add_functions(const ResidualModel& model, const LatentJudgement& judgement, Diagnosis& out) {
   if (!judgement.is_there()) return;
   out.functions = functions_of(judgement.owner);
+  if (judgement.named) out.names_ahead = judgement.names_ahead, out.names_bring = judgement.names_bring;
   if (out.verdict != Verdict::unknown || out.answers.empty()) return;
   const std::vector<RankedLatent>& inputs = judgement.owner.inputs;
   const auto here = std::find_if(inputs.begin(), inputs.end(), [&](const RankedLatent& latent) {
@@ -414,7 +417,7 @@ Diagnosis diagnose(const Rig& rig, ResidualModel& model, const DiagnoseOptions& 
     LatentJudgement judgement;
     std::vector<Screened> screening = screened_beside(rig, rows, used, decision, options.rules);
     if (options.with_free_functions) judgement = judge_by_latents(rows, decision, used);
-    take_refuted_names(judgement, used, decision);
+    take_refuted_names(judgement, used, options.rules, decision);
     tell(rig, model, decision, judgement, used, screening, options, out);
   } catch (const DiagnosisStopped&) {
     if (search.owner().fit.z.size() == 0) throw;

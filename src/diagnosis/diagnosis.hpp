@@ -1,6 +1,7 @@
 // What a diagnosis found: one result for text, JSON, page and code.
 #pragma once
 #include <array>
+#include <limits>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -162,6 +163,9 @@ struct Diagnosis {
   std::optional<UnknownPicture> picture;  ///< of `unknown`
   std::optional<UnknownCurve> curve;      ///< of what no name explains, where one was asked for
   std::vector<FreeFunction> functions;    ///< best first
+  /// In log evidence over the best function beside the owner's model: the verdict's names alone, and names and a
+  /// function together. NaN: there are no names, or no functions.
+  double names_ahead = std::numeric_limits<double>::quiet_NaN(), names_bring = names_ahead;
   std::optional<ProposedExperiment> next_experiment;
   std::optional<SelfTest> self_test;  ///< where one was asked for and could be made
   bool stopped = false;  ///< ended early; what stands here is what was known by then

@@ -156,6 +156,8 @@ Json diagnosis_json(const Diagnosis& diagnosis) {
           {"unknown_picture", picture_json(diagnosis.picture)},
           {"curve", curve_json(diagnosis.curve)},
           {"free_functions", functions},
+          {"names_ahead_of_functions", diagnosis.names_ahead},
+          {"names_bring_to_functions", diagnosis.names_bring},
           {"self_test", self_test_json(diagnosis.self_test)},
           {"next_experiment", experiment_json(diagnosis.next_experiment)}};
 }

@@ -29,7 +29,7 @@ struct DiagnoseVerbOptions {
   RecordingChoice recordings;
   std::vector<std::string> sets, left_out;
   int jobs = 0, self_test = 0;
-  bool latent = false, as_curve = false, quiet = false;
+  bool as_curve = false, quiet = false;
 };
 
 constexpr const char* nothing_known = "pneuservo: stopped before anything was known";
@@ -105,7 +105,6 @@ int run_diagnose(const DiagnoseVerbOptions& options) {
   DiagnoseOptions settings;
   settings.jobs = options.jobs;
   settings.left_out = options.left_out;
-  settings.with_free_functions = options.latent || !options.picture.empty();
   settings.with_curve = options.as_curve;
   settings.self_test = options.self_test;
   settings.following_machine = follow_virtually;
@@ -142,10 +141,7 @@ void add_diagnose(CommandLine& app, int& status) {
   verb.add_option("--improved", options->improved, "config with what was found, for run and simulate");
   verb.add_option("--next-experiment", options->next_experiment,
                   "config of the recording that tells rivals apart, for run; it is also sought for --report");
-  verb.add_flag(
-      "--latent", options->latent,
-      "a free function of time at each element: where an unknown sits, how it looks, how large it could hide");
-  verb.add_option("--picture", options->picture, "course of an unknown as CSV; with --latent");
+  verb.add_option("--picture", options->picture, "course of an unknown as CSV");
   verb.add_flag("--as-curve", options->as_curve,
                 "of an unknown: a table in its place (force over position, speed or time; leak over pressure; valve's "
                 "area over command), in --improved, too");

@@ -37,12 +37,23 @@ UnknownPicture friction_picture() {
 
 }  // namespace
 
-TEST_CASE("latent judgement: names go where a function is clearly better and they add nothing to it") {
-  CHECK(judgement(-189, -3).refutes_names());       // a spring that stands for a payload which changes
-  CHECK_FALSE(judgement(15, 15).refutes_names());   // a leak: a steady law is hardly ahead of its function
-  CHECK_FALSE(judgement(-66, 400).refutes_names()); // a right name beside a background
-  CHECK_FALSE(judgement(-10, -10).refutes_names()); // no clear difference
-  CHECK_FALSE(LatentJudgement{}.refutes_names());
+TEST_CASE("latent judgement: a name goes where a function is clearly better and it adds nothing to one") {
+  const DecisionRules rules;
+  const auto is_refuted = [&](double ahead, double bring) { return judgement(ahead, bring).refutes_names(1, rules); };
+  CHECK(is_refuted(-189, -3));       // a spring that stands for a payload which changes
+  CHECK_FALSE(is_refuted(15, 15));   // a leak: a steady law is hardly ahead of its function
+  CHECK_FALSE(is_refuted(-66, 400)); // a right name beside a background
+  CHECK_FALSE(is_refuted(-10, -10)); // no clear difference
+  CHECK_FALSE(LatentJudgement{}.refutes_names(1, rules));
+}
+
+TEST_CASE("latent judgement: two names are more causes than a function, and have to bring what a second name has to") {
+  const DecisionRules rules;
+  const auto is_refuted = [&](double ahead, double bring) { return judgement(ahead, bring).refutes_names(2, rules); };
+  CHECK(is_refuted(6, 6));           // two leaks and an offset for one leak that is not tried
+  CHECK(is_refuted(-35, 37));
+  CHECK_FALSE(is_refuted(900, 900)); // at two elements no single function stands for both
+  CHECK_FALSE(is_refuted(-50, 400)); // beside a background
 }
 
 TEST_CASE("latent judgement: an element is as likely as the best of its functions") {

@@ -10,7 +10,7 @@ with tempfile.TemporaryDirectory() as folder:
     recording, picture = os.path.join(folder, "run.csv.gz"), os.path.join(folder, "unknown.csv")
     made = run("run", CONFIG, "--duration-s", "4", "--set", "concealed.coulomb_friction.force_N=15", "--record", recording)
     expect(made.returncode == 0, f"run: {made.stderr}")
-    done = run("diagnose", CONFIG, recording, "--latent", "--picture", picture, "--quiet")
+    done = run("diagnose", CONFIG, recording, "--picture", picture, "--quiet")
     expect(done.returncode == 0 and "coulomb_friction" in done.stdout, f"diagnose: {done.stdout}{done.stderr}")
     expect(not os.path.exists(picture), "a picture of what has a name")
     sentence = f"{picture} is not written: found the verdict missing_physics, expected unknown"

@@ -18,8 +18,10 @@ double with_best(const LatentRanking& ranking) {
 
 }  // namespace
 
-bool LatentJudgement::refutes_names() const {
-  return named.has_value() && names_ahead < -clearly_behind && names_bring < clearly_behind;
+bool LatentJudgement::refutes_names(std::size_t names, const DecisionRules& rules) const {
+  if (!named.has_value()) return false;
+  if (names > 1) return std::max(names_ahead, names_bring) < rules.next_gain;
+  return names_ahead < -clearly_behind && names_bring < clearly_behind;
 }
 
 LatentJudgement judge_by_latents(FittedRows& rows, const Decision& decision, const Search& search) {

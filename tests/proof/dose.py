@@ -10,10 +10,11 @@ import concealed
 import rigs
 import scores
 
-# One effect an element, and two of motion: each with the size that is set and found.
-EFFECTS = {"coulomb_friction": "force_N", "constant_force": "force_N", "valve_dead_band": "width_V", "command_delay": "delay_s",
-           "chamber_leak_1": "area_m2", "piston_leak": "area_m2"}
-RUNGS = (2, 3, 4, 5)  # 4 to 32 times the smallest size that the vocabulary states for the machine
+# One effect an element, and two of motion: the size that is set and found, and the doublings from the smallest size of the vocabulary
+# at which the four doses begin: 4 or 16 times that size, since forces and leaks of 4 and 8 times were not all seen (seed 271828).
+EFFECTS = {"coulomb_friction": ("force_N", 4), "constant_force": ("force_N", 4), "valve_dead_band": ("width_V", 2), "command_delay": ("delay_s", 2),
+           "chamber_leak_1": ("area_m2", 4), "piston_leak": ("area_m2", 4)}
+DOSES = 4
 
 
 def record(folder, sealed, config, moves, recordings, truth):
@@ -36,8 +37,9 @@ def recorded(options, rig, lines, moves, seed):
 
 
 def sizes(known, sized, effect, rig):
-    """Parameters of the effect at zero and at each rung."""
-    return [None, *(sized(known[effect], rung, 0.6 * rigs.moving_kg(rig)) for rung in RUNGS)]
+    """Parameters of the effect at zero and at each dose, every one twice the one before."""
+    first = EFFECTS[effect][1]
+    return [None, *(sized(known[effect], rung, 0.6 * rigs.moving_kg(rig)) for rung in range(first, first + DOSES))]
 
 
 def doses_of_a_draw(rng, effect, options, vocabulary_of):
@@ -63,7 +65,7 @@ def doses_of_a_draw(rng, effect, options, vocabulary_of):
 
 def make_doses(effect, options, vocabulary_of):
     """Writes OUT/EFFECT-0 to EFFECT-4 unless they are there; their names."""
-    names = [f"{effect}-{number}" for number in range(len(RUNGS) + 1)]
+    names = [f"{effect}-{number}" for number in range(DOSES + 1)]
     if all((options.out / "sealed" / f"{name}.json").is_file() for name in names):
         return names
     rng = random.Random(f"dose {options.seed} {effect}")
@@ -73,7 +75,7 @@ def make_doses(effect, options, vocabulary_of):
     config, moves, doses = drawn
     for name, (parameters, recordings) in zip(names, doses):
         truth = {"kind": "single" if parameters else "clean", "effects": {effect: parameters} if parameters else {}, "elements": [], "background": False,
-                 "fair": [], "set": parameters[EFFECTS[effect]] if parameters else 0.0}
+                 "fair": [], "set": parameters[EFFECTS[effect][0]] if parameters else 0.0}
         record(options.out / name, options.out / "sealed" / f"{name}.json", config, moves, recordings, truth)
     return names
 
@@ -91,7 +93,7 @@ def found(answer, effect):
     """The size that the answer gives the effect, under any name that nobody can tell from it; 0 where it is not named."""
     for one in answer["answers"]:
         if scores.canonical(one["effect"], one.get("parameters")) == scores.canonical(effect):
-            return size_in(one.get("parameters") or {}, EFFECTS[effect])
+            return size_in(one.get("parameters") or {}, EFFECTS[effect][0])
     return 0.0
 
 

@@ -44,7 +44,7 @@ ROWS = [
     Row("calibration-sizes", "calibration", "the same: sizes inside their 90 % interval", "85 to 95 %", lambda f: 0.85 <= share(f) <= 0.95),
     Row("clean", "clean", "fresh clean machines of the own simulator without a false name", "all", all_right),
     Row("dose-slope", "dose", "dose and response, an effect at four sizes: slope of found over set within 0.95 to 1.05", "all", all_right),
-    Row("dose-zero", "dose", "the same machines at zero: given no name", "all", all_right),
+    Row("dose-zero", "dose", "the same machines at zero: called consistent", "all", all_right),
     Row("decoys", "decoys", "an effect beside a number 2 to 3 tolerances off that favours a rival: the effect first", "-", None),
     Row("decoys-wrong", "decoys", "the same: a wrong name said with 0.5 or more", "none", lambda f: f["right"] == 0),
     Row("time", "time", "time of a labelled case on two cores: median, most", "-", None),

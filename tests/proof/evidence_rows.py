@@ -99,7 +99,8 @@ def ablation(options, name, *words):
     *more, root = words
     run(options, "ablation-trial", *more, root, out, "--program", options.program, "--jobs", options.jobs, may_end=(0, 1))
     cases = json.loads((out / "ablation.json").read_text(encoding="utf-8"))["cases"]
-    told = lambda c: f"{c['case']} without `{c['left_out']}`: " + (f"`{c['said']}` at {c['said_element']} ({c['probability']:.2f})" if c["said"] else c["verdict"])
+    told = lambda c: f"{c['case']} without `{c['left_out']}`: " + (f"`{c['said']}` at {c['said_element']} ({c['probability']:.2f})" if c["said"] else c["verdict"]) + \
+        (f", granted {c['granted']}" if c["granted"] and not c["said"] else "")
     rows = {}
     for row, words_of_row in ((name, ("right",)), (f"{name}-wrong", ("wrong",))):
         counted = [c for c in cases if c["judged"] in words_of_row]

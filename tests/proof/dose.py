@@ -107,3 +107,8 @@ def line(points):
     variance = sum((y - intercept - slope * x) ** 2 for x, y in points) / (n - 2)
     return {"slope": slope, "slope_error": math.sqrt(variance / spread), "intercept": intercept,
             "intercept_error": math.sqrt(variance * (1 / n + mean_x**2 / spread))}
+
+
+def is_one(fitted):
+    """Whether a line shows that what is found is what is set: a slope of 0.95 to 1.05 that is sure to 0.05."""
+    return 0.95 <= fitted["slope"] <= 1.05 and fitted["slope_error"] <= 0.05

@@ -175,10 +175,12 @@ def doses(options):
         if points[0][2]["verdict"] != "consistent":
             named.append(f"`{effect}`: {page.told(points[0][2])}")
     said = {effect: f"`{effect}` {one['slope']:.3f} ± {one['slope_error']:.3f}, intercept {one['intercept']:.2g} ± {one['intercept_error']:.1g}" for effect, one in lines.items()}
+    unnamed = [f"`{effect}` {at:.3g}: {words}" for effect, one in lines.items() for at, size, words in one["points"] if at and not size]
     print("\n".join(said.values()))
     (own.out / "lines.json").write_text(json.dumps(lines, indent=1), encoding="utf-8")
-    off = [effect for effect, one in lines.items() if not 0.95 <= one["slope"] <= 1.05]
+    off = [effect for effect, one in lines.items() if not dose.is_one(one)]
     return {"dose-slope": {"right": len(lines) - len(off), "of": len(lines), "wrong": [said[effect] for effect in off], "lines": lines},
+            "dose-named": {"right": dose.DOSES * len(lines) - len(unnamed), "of": dose.DOSES * len(lines), "wrong": unnamed},
             "dose-zero": {"right": len(lines) - len(named), "of": len(lines), "wrong": named}}
 
 

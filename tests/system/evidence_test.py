@@ -29,6 +29,9 @@ for key, asked in (("slope", 1.3), ("intercept", -0.2), ("slope_error", 0.03**0.
 fitted = dose.line([(x, 0.97 * x + 0.5) for x in (0, 4, 8, 16, 32)])
 near(fitted["slope"], 0.97, "slope of points on a line")
 near(fitted["intercept"], 0.5, "intercept of points on a line")
+expect(dose.is_one(fitted), "a slope of 0.97 is not one")
+for points, what in (([(x, 0.94 * x) for x in range(5)], "a slope of 0.94"), ([(0, 0), (4, 4), (8, 0), (16, 0), (32, 32)], "a line with two doses not named")):
+    expect(not dose.is_one(dose.line(points)), f"{what} counts as one: {dose.line(points)}")
 
 
 def answer(*said, verdict="missing_physics"):

@@ -104,6 +104,12 @@ def true_machine(rng, rig):
     return true_rig
 
 
+def believed(rig, gains):
+    """Lines of the loop, which goes by what its owner believes, not by what is true."""
+    lines = rigs.machine_lines(rig, gains)
+    return {"loop.area_1": lines["side_1.piston"], "loop.area_2": lines["side_2.piston"], "loop.bias": lines["loop.bias"]}
+
+
 def conceal(rng, kind, rig, true_rig, gains, vocabulary, options):
     """Lines of the machine without and with its secret, and the truth."""
     plain_rig = copy.deepcopy(true_rig)
@@ -132,11 +138,7 @@ def conceal(rng, kind, rig, true_rig, gains, vocabulary, options):
         truth = concealed.mounting(rng)
     elif kind == "outside":
         truth = concealed.outside(rng, rig, lines, options.length_s, known)
-    # The loop goes by what its owner believes, not by what is true.
-    believed = rigs.machine_lines(rig, gains)
-    for changed in (plain, lines):
-        changed |= {"loop.area_1": believed["side_1.piston"], "loop.area_2": believed["side_2.piston"], "loop.bias": believed["loop.bias"]}
-    return plain, lines, truth | {"kind": kind, "background": with_background, "fair": fair, "background_lines": small}
+    return plain | believed(rig, gains), lines | believed(rig, gains), truth | {"kind": kind, "background": with_background, "fair": fair, "background_lines": small}
 
 
 def as_logged(rows, mounting):

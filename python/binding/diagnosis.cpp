@@ -38,7 +38,8 @@ DiagnoseOptions options_of(int jobs, const StopQuestion& stop, const Progress& t
 }
 
 std::unique_ptr<Diagnosis> run_diagnosis(const Config& config, const Recordings& recordings, const Recordings& held_out,
-                                         int jobs, bool as_curve, const nb::object& progress, const nb::object& cancel) {
+                                         int jobs, bool as_curve, const nb::object& progress,
+                                         const nb::object& cancel) {
   std::vector<Recording> all = taken(recordings, held_out);
   std::unique_ptr<Diagnosis> result;
   const bool interrupted = watched("diagnose", {progress, cancel}, [&](const StopQuestion& stop, const Progress& tell) {

@@ -406,7 +406,9 @@ Diagnosis diagnose(const Rig& rig, ResidualModel& model, const DiagnoseOptions& 
   std::erase_if(candidates, [&](const Candidate& c) {
     return std::find(options.left_out.begin(), options.left_out.end(), c.name) != options.left_out.end();
   });
-  Search search(rows, rig, candidates, {}, options.rules, options.progress);
+  SearchSettings settings;
+  settings.left_out = options.left_out;
+  Search search(rows, rig, candidates, settings, options.rules, options.progress);
   Diagnosis out = empty_diagnosis(rig);
   try {
     search.run();

@@ -138,7 +138,7 @@ TEST_CASE("text, JSON and page of a diagnosis carry the same numbers") {
   require_same(cell(estimates_table(diagnosis), "value", 0), answer["parameters"]["force_N"]["value"]);
   require_same(cell(estimates_table(diagnosis), "standard error", 0),
                answer["parameters"]["force_N"]["standard_error"]);
-  const Table fit = fit_table(diagnosis);
+  const Table fit = fit_table(diagnosis.channels);
   for (const auto& [title, key] : {std::pair{"noise floor", "noise"},
                                    {"before", "before"},
                                    {"after", "after"},

@@ -27,12 +27,12 @@ bool LatentJudgement::refutes_names(std::size_t names, const DecisionRules& rule
 LatentJudgement judge_by_latents(FittedRows& rows, const Decision& decision, const Search& search) {
   LatentJudgement out;
   constexpr double never = std::numeric_limits<double>::infinity();
-  out.owner = rank_latents(rows, search.owner(), never);
+  out.owner = rank_latents(rows, search.owner(), never, search.left_out());
   if (!out.is_there()) return out;
   if (decision.verdict != Verdict::consistent && out.owner.inputs.front().gain > 0)
     out.owner = ranked_again(rows, out.owner);
   if (decision.chosen->members.empty()) return out;
-  out.named = rank_latents(rows, *decision.chosen, with_best(out.owner));
+  out.named = rank_latents(rows, *decision.chosen, with_best(out.owner), search.left_out());
   if (out.named->fit.failed) {
     out.named.reset();
     return out;

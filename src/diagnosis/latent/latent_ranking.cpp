@@ -10,14 +10,14 @@ namespace pneuservo {
 namespace {
 
 /// The explanation where it stands, with small physics free beside its parameters, linear there.
-Fit with_small_physics(FittedRows& rows, const Fit& fit) {
+Fit with_small_physics(FittedRows& rows, const Fit& fit, const std::vector<std::string>& left_out) {
   Fit out;
   out.base = fit.base;
   out.parameters = fit.parameters;
   out.own_count = fit.own_count;
   std::vector<double> z(fit.z.data(), fit.z.data() + fit.z.size());
   out.base.rig = fit.hypothesis().rig;
-  for (FreeParameter& parameter : small_physics(out.base.rig, rows.model().channels())) {
+  for (FreeParameter& parameter : small_physics(out.base.rig, rows.model().channels(), left_out)) {
     if (std::any_of(fit.parameters.begin(), fit.parameters.end(),
                     [&](const FreeParameter& known) { return known.is_same(parameter); }))
       continue;
@@ -45,9 +45,10 @@ void add_inputs(FittedRows& rows, LatentRanking& ranking) {
 
 }  // namespace
 
-LatentRanking rank_latents(FittedRows& rows, const Explanation& explanation, double enough) {
+LatentRanking rank_latents(FittedRows& rows, const Explanation& explanation, double enough,
+                           const std::vector<std::string>& left_out) {
   LatentRanking out;
-  out.fit = with_small_physics(rows, explanation.fit);
+  out.fit = with_small_physics(rows, explanation.fit, left_out);
   if (out.fit.failed) return out;
   out.log_evidence = LatentEvidence(rows.model().rows(), out.fit).without();
   if (out.log_evidence < enough) add_inputs(rows, out);

@@ -23,8 +23,9 @@ struct LatentRanking {
 };
 
 /// The model's residuals have to be plain (no slow error taken). No inputs where the model knows none, or where the
-/// explanation alone has `enough` evidence.
-LatentRanking rank_latents(FittedRows& rows, const Explanation& explanation, double enough);
+/// explanation alone has `enough` evidence. left_out: effects that small physics does not grant.
+LatentRanking rank_latents(FittedRows& rows, const Explanation& explanation, double enough,
+                           const std::vector<std::string>& left_out);
 /// The same where the parameters stand beside the best function: what is missing had bent them.
 LatentRanking ranked_again(FittedRows& rows, const LatentRanking& ranking);
 

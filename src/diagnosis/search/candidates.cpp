@@ -370,7 +370,8 @@ bool stands_for(const FreeParameter& granted, const Candidate& candidate) {
          });
 }
 
-std::vector<FreeParameter> small_physics(const Rig& rig, const std::vector<ResidualChannel>& channels) {
+std::vector<FreeParameter> small_physics(const Rig& rig, const std::vector<ResidualChannel>& channels,
+                                         const std::vector<std::string>& left_out) {
   std::vector<FreeParameter> out;
   if (!rig.is_pneumatic()) return out;
   const std::vector<ParameterPath> known = parameter_paths(rig);
@@ -386,6 +387,11 @@ std::vector<FreeParameter> small_physics(const Rig& rig, const std::vector<Resid
       if (std::find(names.begin(), names.end(), name) != names.end()) add_small(rig, name, *entry, known, out);
     }
   }
+  std::erase_if(out, [&](const FreeParameter& granted) {
+    return std::any_of(left_out.begin(), left_out.end(), [&](const std::string& name) {
+      return granted.path.starts_with(fmt::format("effects.{}.", name));
+    });
+  });
   return out;
 }
 

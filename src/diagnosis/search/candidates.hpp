@@ -53,7 +53,9 @@ std::vector<FreeParameter> nuisances(const Rig& rig, std::size_t start_factor_co
 
 /// Small physics that every real machine has a little of, as nuisances with narrow priors about neutral: they take up
 /// the small and leave the large, which has a name.
-std::vector<FreeParameter> small_physics(const Rig& rig, const std::vector<ResidualChannel>& channels);
+/// left_out: effects that are not tried, and so not granted either.
+std::vector<FreeParameter> small_physics(const Rig& rig, const std::vector<ResidualChannel>& channels,
+                                         const std::vector<std::string>& left_out = {});
 /// Whether small physics stands for the candidate: it grants another effect of its family, or all numbers of a
 /// description.
 bool is_granted(const Candidate& candidate);

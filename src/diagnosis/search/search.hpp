@@ -62,6 +62,7 @@ struct SearchSettings {
   double settled_gain = 0.1;    ///< in chi2: a fit that a step improves by less is at its end
   std::vector<FreeParameter> small_physics;  ///< nuisances beside the tolerances
   std::vector<KnownStart> known_starts;      ///< names refitted from there where the screening leaves them out
+  std::vector<std::string> left_out;  ///< effects that are neither tried nor granted
   /// Whether the model's slow error follows what is left: first by the owner's model, then by the best single name,
   /// each compared beside its own.
   bool grow_floor = false;
@@ -95,6 +96,11 @@ class Search {
 
   const std::vector<Candidate>& candidates() const { return candidates_; }
   bool grants_small_physics() const { return settings_.grow_floor; }
+  const std::vector<std::string>& left_out() const { return settings_.left_out; }
+  /// What every machine has a little of, but for what is left out.
+  std::vector<FreeParameter> small_physics_of_all() const {
+    return small_physics(rig_, rows_.model().channels(), settings_.left_out);
+  }
   /// Whether the owner's model has the supply's swing at the end of what every supply does.
   bool owner_wants_more_swing() const;
   /// Whether a single name's number stands, in the owner's model, at the end of what is granted there.

@@ -15,9 +15,9 @@ namespace {
 constexpr double settled_gain_beside = 3.0;
 
 /// Whether a shape was found that is no larger than what every machine has of it.
-bool describes_small_physics(const Rig& rig, const std::vector<ResidualChannel>& channels, const Decision& decision) {
+bool describes_small_physics(const Search& search, const Decision& decision) {
   if (!decision.is_described) return false;
-  const std::vector<FreeParameter> small = small_physics(rig, channels);
+  const std::vector<FreeParameter> small = search.small_physics_of_all();
   const Fit& fit = decision.chosen->fit;
   return std::all_of(fit.parameters.begin(), fit.parameters.begin() + static_cast<std::ptrdiff_t>(fit.own_count),
                      [&](const FreeParameter& own) {
@@ -32,11 +32,10 @@ bool describes_small_physics(const Rig& rig, const std::vector<ResidualChannel>&
 /// Whether the verdict needs more than any one machine should lack: as many names as are ever sought, or more of the
 /// owner's tolerances at the end of their range than any owner errs by; or whether held-out stretches speak against it.
 /// Then names may stand for small physics that is everywhere, as a small shape does.
-bool is_doubtful(const Rig& rig, const std::vector<ResidualChannel>& channels, const Decision& decision,
-                 const DecisionRules& rules) {
+bool is_doubtful(const Rig& rig, const Search& search, const Decision& decision, const DecisionRules& rules) {
   if (!rig.is_pneumatic() || decision.verdict == Verdict::consistent) return false;
   if (decision.is_shaken) return false;  // its levels are the owner's, and names would follow the shaking
-  if (describes_small_physics(rig, channels, decision)) return true;
+  if (describes_small_physics(search, decision)) return true;
   // Names that fit and do not go on: what they stand for is not what is missing.
   if (decision.verdict == Verdict::unknown && !decision.is_described &&
       decision.levels.held_out_excess() > rules.worse_fit)
@@ -45,10 +44,10 @@ bool is_doubtful(const Rig& rig, const std::vector<ResidualChannel>& channels, c
 }
 
 /// Small physics beside the tolerances, but for what names say already.
-SearchSettings beside_small_physics(const Rig& rig, const ResidualModel& model, const Search& search,
-                                    const std::vector<std::size_t>& named) {
+SearchSettings beside_small_physics(const Search& search, const std::vector<std::size_t>& named) {
   SearchSettings settings;
-  settings.small_physics = small_physics(rig, model.channels());
+  settings.small_physics = search.small_physics_of_all();
+  settings.left_out = search.left_out();
   settings.settled_gain = settled_gain_beside;
   std::erase_if(settings.small_physics, [&](const FreeParameter& granted) {
     return std::any_of(named.begin(), named.end(),
@@ -58,8 +57,8 @@ SearchSettings beside_small_physics(const Rig& rig, const ResidualModel& model, 
 }
 
 /// Whether small physics has what a name says.
-bool is_in_small_physics(const Rig& rig, const ResidualModel& model, const Candidate& name) {
-  const std::vector<FreeParameter> small = small_physics(rig, model.channels());
+bool is_in_small_physics(const Search& search, const Candidate& name) {
+  const std::vector<FreeParameter> small = search.small_physics_of_all();
   return std::any_of(small.begin(), small.end(),
                      [&](const FreeParameter& granted) { return stands_for(granted, name); });
 }
@@ -71,10 +70,10 @@ bool is_small_physics_likelier(const Rig& rig, FittedRows& rows, Search& search,
   const std::vector<std::size_t>& members = decision.chosen->members;
   if (!rig.is_pneumatic() || decision.verdict == Verdict::unknown) return false;
   if (std::none_of(members.begin(), members.end(),
-                   [&](std::size_t m) { return is_in_small_physics(rig, rows.model(), search.candidates()[m]); }))
+                   [&](std::size_t m) { return is_in_small_physics(search, search.candidates()[m]); }))
     return false;
   const double alone = search.beside_own_error(*decision.chosen);
-  Search beside(rows, rig, search.candidates(), beside_small_physics(rig, rows.model(), search, {}), rules, {});
+  Search beside(rows, rig, search.candidates(), beside_small_physics(search, {}), rules, {});
   return beside.best_with_one_fewer(*decision.chosen) > alone;
 }
 
@@ -84,11 +83,11 @@ std::vector<std::size_t> needed_names(const Rig& rig, FittedRows& rows, const Se
                                       const DecisionRules& rules) {
   const std::vector<std::size_t>& members = decision.chosen->members;
   if (!rig.is_pneumatic() || decision.verdict == Verdict::unknown || members.empty()) return members;
-  Search beside(rows, rig, search.candidates(), beside_small_physics(rig, rows.model(), search, members), rules, {});
+  Search beside(rows, rig, search.candidates(), beside_small_physics(search, members), rules, {});
   const std::vector<double> gains = beside.gains_of_names(*decision.chosen);
   std::vector<std::size_t> needed;
   for (std::size_t i = 0; i < members.size(); ++i)
-    if (gains[i] >= rules.alarm_gain || is_in_small_physics(rig, rows.model(), search.candidates()[members[i]]))
+    if (gains[i] >= rules.alarm_gain || is_in_small_physics(search, search.candidates()[members[i]]))
       needed.push_back(members[i]);
   return needed;
 }
@@ -120,7 +119,8 @@ Decision with_small_physics(const Rig& rig, FittedRows& rows, std::vector<Candid
   ResidualModel& model = rows.model();
   SearchSettings settings;
   settings.progress = later_search;
-  settings.small_physics = small_physics(rig, model.channels());
+  settings.small_physics = plain.small_physics_of_all();
+  settings.left_out = plain.left_out();
   settings.known_starts = plain.best_starts(refitted_anyway);
   settings.grow_floor = true;
   settings.settled_gain = settled_gain_beside;
@@ -156,8 +156,7 @@ std::vector<Screened> screened_beside(const Rig& rig, FittedRows& rows, const Se
                                       const DecisionRules& rules) {
   if (!rig.is_pneumatic() || search.grants_small_physics()) return search.first_screening();
   const Explanation& chosen = *decision.chosen;
-  Search beside(rows, rig, search.candidates(), beside_small_physics(rig, rows.model(), search, chosen.members), rules,
-                {});
+  Search beside(rows, rig, search.candidates(), beside_small_physics(search, chosen.members), rules, {});
   return beside.screened_at(chosen);
 }
 
@@ -170,7 +169,7 @@ Decision decided_twice(const Rig& rig, FittedRows& rows, Search& search, const D
                                is_everywhere(model.channels(), decision.levels.channels, rules.floor_level);
   const std::vector<std::size_t> needed = needed_names(rig, rows, search, decision, rules);
   const bool is_each_needed = needed.size() == decision.chosen->members.size();
-  if (!left_everywhere && is_each_needed && !is_doubtful(rig, model.channels(), decision, rules) &&
+  if (!left_everywhere && is_each_needed && !is_doubtful(rig, search, decision, rules) &&
       !is_small_physics_likelier(rig, rows, search, decision, rules))
     return decision;
   Decision granted = with_small_physics(rig, rows, search.candidates(), search, rules, progress, beside, warnings);

@@ -298,9 +298,13 @@ void add_curve(const Rig& rig, ResidualModel& model, const Decision& decision, c
     return;
   if (options.progress) options.progress(0.98, "curve of what no name explains");
   const std::string element = is_unknown ? out.answers.front().element : "motion";
-  out.curve =
-      curve_of_unknown(rig, model, search, {element, is_unknown ? &search.owner() : decision.chosen, options.is_whole},
-                       options.rules, options.stop);
+  const CurvePlace where{element, is_unknown ? &search.owner() : decision.chosen, options.is_whole};
+  try {
+    out.curve = curve_of_unknown(rig, model, search, where, options.rules, options.stop);
+  } catch (const DiagnosisStopped&) {  // the verdict stands
+    out.warnings.emplace_back("stopped early: the verdict is complete, a curve was not fitted");
+    return;
+  }
   if (out.curve) out.improved = out.curve->improved;
   else
     out.warnings.push_back(
@@ -362,6 +366,32 @@ MotionRange range_of(const Rig& rig, ResidualModel& model) {
   return range;
 }
 
+/// Machines as the answer has them, diagnosed by the owner's config; whatever becomes of that, the verdict stands.
+void test_itself(const Rig& rig, const Rig& configured, const std::vector<RecordedMotion>& motions,
+                 const DiagnoseOptions& options, Diagnosis& out) {
+  DiagnoseOptions again = options;
+  again.self_test = 0;
+  again.with_curve = false;
+  again.virtual_machine = {};
+  again.progress = {};
+  int done = 0;
+  const auto play = [&](const Rig& machine, const RecordedMotion& motion) {
+    look_for_stop(options.stop);
+    std::optional<Recording> recording = options.following_machine(machine, motion);
+    look_for_stop(options.stop);
+    return recording;
+  };
+  const auto judge = [&](std::vector<Recording> played) {
+    if (options.progress) options.progress(0.99, fmt::format("self-test {} of {}", ++done, options.self_test));
+    return diagnose(configured, std::move(played), again);
+  };
+  try {
+    add_self_test(rig, motions, options.self_test, play, judge, out);
+  } catch (const DiagnosisStopped&) {
+    out.warnings.emplace_back("stopped early: the verdict is complete, its self-test was not made");
+  } catch (const std::exception& error) { out.warnings.push_back(fmt::format("no self-test: {}", error.what())); }
+}
+
 }  // namespace
 
 std::unique_ptr<ResidualModel> make_residual_model(const Rig& rig, const std::vector<Recording>& recordings, int jobs,
@@ -418,7 +448,7 @@ Diagnosis diagnose(const Rig& rig, ResidualModel& model, const DiagnoseOptions& 
     const Search& used = beside ? *beside : search;
     LatentJudgement judgement;
     std::vector<Screened> screening = screened_beside(rig, rows, used, decision, options.rules);
-    if (options.with_free_functions) judgement = judge_by_latents(rows, decision, used);
+    if (options.with_free_functions) judgement = judge_by_latents(rows, decision, used, options.rules);
     take_refuted_names(judgement, used, options.rules, decision);
     tell(rig, model, decision, judgement, used, screening, options, out);
   } catch (const DiagnosisStopped&) {
@@ -465,23 +495,7 @@ Diagnosis diagnose(const Rig& configured, std::vector<Recording> recordings, con
   out.coverage = std::move(prepared.coverage);
   out.recordings = std::move(prepared.recordings);
   out.warnings.insert(out.warnings.end(), prepared.warnings.begin(), prepared.warnings.end());
-  if (options.self_test == 0) return out;
-  DiagnoseOptions again = of_these;
-  again.self_test = 0;
-  again.virtual_machine = {};
-  again.progress = {};
-  int done = 0;
-  try {
-    add_self_test(
-        prepared.rig, motions, options.self_test, options.following_machine,
-        [&](std::vector<Recording> played) {
-          if (options.progress) options.progress(0.99, fmt::format("self-test {} of {}", ++done, options.self_test));
-          return diagnose(configured, std::move(played), again);
-        },
-        out);
-  } catch (const DiagnosisStopped&) {  // the verdict stands
-    out.warnings.emplace_back("stopped early: the verdict is complete, its self-test was not made");
-  }
+  if (options.self_test > 0) test_itself(prepared.rig, configured, motions, of_these, out);
   return out;
 }
 

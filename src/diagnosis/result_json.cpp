@@ -1,6 +1,7 @@
 // A diagnosis as JSON, format pneuservo-diagnosis/1.
 #include "diagnosis/result_json.hpp"
 
+#include <cmath>
 #include <filesystem>
 
 #include <yaml-cpp/yaml.h>
@@ -12,6 +13,8 @@ namespace pneuservo {
 namespace {
 
 using Json = nlohmann::ordered_json;
+
+Json number_or_null(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
 
 Json answer_json(const DiagnosisAnswer& answer) {
   Json parameters = Json::object();
@@ -156,8 +159,8 @@ Json diagnosis_json(const Diagnosis& diagnosis) {
           {"unknown_picture", picture_json(diagnosis.picture)},
           {"curve", curve_json(diagnosis.curve)},
           {"free_functions", functions},
-          {"names_ahead_of_functions", diagnosis.names_ahead},
-          {"names_bring_to_functions", diagnosis.names_bring},
+          {"names_ahead_of_functions", number_or_null(diagnosis.names_ahead)},
+          {"names_bring_to_functions", number_or_null(diagnosis.names_bring)},
           {"self_test", self_test_json(diagnosis.self_test)},
           {"next_experiment", experiment_json(diagnosis.next_experiment)}};
 }

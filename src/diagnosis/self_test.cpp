@@ -10,6 +10,7 @@
 #include "diagnosis/recordings/recorded_rigs.hpp"
 #include "diagnosis/residuals/gaussian_kernel.hpp"
 #include "diagnosis/result_text.hpp"
+#include "diagnosis/stop.hpp"
 
 namespace pneuservo {
 
@@ -22,6 +23,8 @@ Rig machine_of(const Rig& configured, const Diagnosis& found, const RecordedMoti
   Recording planned;
   planned.changed = motion.changed;
   Rig out = changed_rig(configured, machine_changes(configured, planned));
+  out.deviations.clear();  // what the config conceals from its own loop is no part of the answer
+  out.concealed.clear();
   const Rig true_rig = changed_rig(found.improved, machine_changes(configured, planned));
   for (const ParameterPath& parameter : parameter_paths(true_rig))
     if (get_parameter(out, parameter.path) != parameter.value) out.concealed[parameter.path] = parameter.value;
@@ -35,9 +38,25 @@ Rig machine_of(const Rig& configured, const Diagnosis& found, const RecordedMoti
   return out;
 }
 
+/// As many rows as the real recording has: a logger that is slower than the loop sees less.
+void thin_to(const RecordedMotion& motion, double period_s, Recording& recording) {
+  const double step_s = motion.time_s.back() / static_cast<double>(motion.time_s.size() - 1);
+  const auto every = static_cast<std::size_t>(std::max(1L, std::lround(step_s / period_s)));
+  if (every == 1) return;
+  const auto thin = [&](auto& values) {
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i < values.size(); i += every) values[kept++] = values[i];
+    values.resize(kept);
+  };
+  for (std::vector<double>& column : recording.values) thin(column);
+  thin(recording.line_numbers);
+  recording.period_s *= static_cast<double>(every);
+}
+
 std::vector<std::string> names_of(const Diagnosis& diagnosis) {
   std::vector<std::string> out;
-  for (const DiagnosisAnswer& answer : diagnosis.answers) out.push_back(answer.effect);
+  for (const DiagnosisAnswer& answer : diagnosis.answers)
+    out.push_back(answer.effect == "unknown" ? "unknown at " + answer.element : answer.effect);
   return out;
 }
 
@@ -82,6 +101,7 @@ void add_self_test(const Rig& configured, const std::vector<RecordedMotion>& mot
       recording->path = fmt::format("self-test {}, {}", i, motion.path);
       recording->changed = motion.changed;
       recording->is_held_out = motion.is_held_out;
+      thin_to(motion, configured.period_s, *recording);
       recording->keep_columns([&](const std::string& column) {
         return std::find(motion.columns.begin(), motion.columns.end(), column) != motion.columns.end();
       });
@@ -89,6 +109,7 @@ void add_self_test(const Rig& configured, const std::vector<RecordedMotion>& mot
     }
     if (played.size() < motions.size()) continue;
     const Diagnosis answer = again(std::move(played));
+    if (answer.stopped) throw DiagnosisStopped();
     const std::vector<std::string> said = names_of(answer);
     for (std::size_t n = 0; n < names.size(); ++n)
       hits[n] += std::find(said.begin(), said.end(), names[n]) != said.end();
@@ -98,7 +119,8 @@ void add_self_test(const Rig& configured, const std::vector<RecordedMotion>& mot
   }
   if (test.machines == 0) {
     out.warnings.emplace_back(
-        "no self-test: the config's own loop does not follow the recorded motion without a fault");
+        "no self-test: the config's own loop does not follow the recorded motion without a fault, or this kind of "
+        "rig is not simulated");
     return;
   }
   for (std::size_t n = 0; n < names.size(); ++n)

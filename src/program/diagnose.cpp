@@ -148,7 +148,7 @@ void add_diagnose(CommandLine& app, int& status) {
   verb.add_option(
           "--self-test", options->self_test,
           "so many machines as the answer has them are simulated and diagnosed as well, each in the time of this "
-          "one; no probability is told above the share that got the same answer")
+          "one; no probability is told above the share that got the name")
       .within(0, 1000);
   verb.add_option("--leave-out", options->left_out, "name that is not tried, for tools/ablation-trial").hidden();
   verb.add_option("--jobs", options->jobs, "threads; 0: all of the machine").within(0, 1024);

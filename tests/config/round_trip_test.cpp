@@ -72,6 +72,10 @@ TEST_CASE("a rig with every effect, section and odd name comes back") {
       set_parameter(rig, parameter.path,
                     parameter.value == 0.1 ? 0.2
                                            : std::max(0.1 * parameter.field.maximum / 3, parameter.field.minimum));
+  visit_effects(rig, [](const Field&, auto& effect) {
+    if constexpr (requires { effect.place; })  // points of a table ascend
+      for (std::size_t i = 0; i < effect.place.size(); ++i) effect.place[i] = 0.1 * static_cast<double>(i + 1);
+  });
   rig.axis.slider.mass_kg = 1000;      // loads on couplings are a part of it
   rig.reference.amplitude_m = 0.001;  // which the supply can move
   for (const char* name :

@@ -24,7 +24,8 @@ bool LatentJudgement::refutes_names(std::size_t names, const DecisionRules& rule
   return names_ahead < -clearly_behind && names_bring < clearly_behind;
 }
 
-LatentJudgement judge_by_latents(FittedRows& rows, const Decision& decision, const Search& search) {
+LatentJudgement judge_by_latents(FittedRows& rows, const Decision& decision, const Search& search,
+                                 const DecisionRules& rules) {
   LatentJudgement out;
   constexpr double never = std::numeric_limits<double>::infinity();
   out.owner = rank_latents(rows, search.owner(), never, search.left_out());
@@ -32,7 +33,9 @@ LatentJudgement judge_by_latents(FittedRows& rows, const Decision& decision, con
   if (decision.verdict != Verdict::consistent && out.owner.inputs.front().gain > 0)
     out.owner = ranked_again(rows, out.owner);
   if (decision.chosen->members.empty()) return out;
-  out.named = rank_latents(rows, *decision.chosen, with_best(out.owner), search.left_out());
+  // What stands by its evidence alone is asked no more.
+  const double stands = decision.chosen->members.size() > 1 ? rules.next_gain : 0.0;
+  out.named = rank_latents(rows, *decision.chosen, with_best(out.owner) + stands, search.left_out());
   if (out.named->fit.failed) {
     out.named.reset();
     return out;

@@ -21,7 +21,8 @@ struct LatentJudgement {
   bool refutes_names(std::size_t names, const DecisionRules& rules) const;
 };
 
-LatentJudgement judge_by_latents(FittedRows& rows, const Decision& decision, const Search& search);
+LatentJudgement judge_by_latents(FittedRows& rows, const Decision& decision, const Search& search,
+                                 const DecisionRules& rules);
 
 /// Probabilities of the elements by the best function at each, best first; of functions alone.
 std::vector<ElementShare> element_probabilities(const LatentRanking& ranking, double temperature);

@@ -100,11 +100,12 @@ std::vector<double> points_over(const std::vector<double>& passed) {
   return out;
 }
 
-/// The rig with the points of the table, all values nothing. A valve's shares have their places.
-Rig with_places(const Rig& rig, ResidualModel& model, const Hypothesis& owner, const TableSet& table) {
+/// The rig with the points of the table, all values nothing; nothing where no range is passed. A valve's shares have
+/// their places.
+std::optional<Rig> with_places(const Rig& rig, ResidualModel& model, const Hypothesis& owner, const TableSet& table) {
   if (table.over == "command") return rig;
   const std::vector<double> passed = places_passed(model, owner, table);
-  if (passed.size() < 2 || !(passed.back() > passed.front())) return rig;
+  if (passed.size() < 2 || !(passed.back() > passed.front())) return std::nullopt;
   const std::vector<double> points = points_over(passed);
   Rig out = rig;
   visit_effects(rig, [&](const Field& field, const auto& effect) {
@@ -116,12 +117,13 @@ Rig with_places(const Rig& rig, ResidualModel& model, const Hypothesis& owner, c
   return out;
 }
 
-/// A fit without a slow error, its residual and derivatives taken anew.
+/// A fit without a slow error, brought to its minimum there where it had one.
 Fit plain(FittedRows& rows, const Fit& fit) {
   Fit out = fit;
   out.freed_from.reset();
   out.known_columns.assign(out.parameters.size(), 0);
   linearise(rows, {&out});
+  if (fit.freed_from && !out.failed) improve(rows, {&out}, steps, Columns::corrected);
   return out;
 }
 
@@ -220,7 +222,9 @@ std::optional<UnknownCurve> curve_of_unknown(const Rig& rig, ResidualModel& mode
   };
   std::vector<Tried> tried;
   for (TableSet& table : tables_at(rig, where.element, where.is_whole)) {
-    Fit fit = fit_beside(rows, with_places(rig, model, beside.hypothesis(), table), beside, table);
+    const std::optional<Rig> placed = with_places(rig, model, beside.hypothesis(), table);
+    if (!placed) continue;
+    Fit fit = fit_beside(rows, *placed, beside, table);
     if (!fit.failed && fit.log_evidence() - beside.log_evidence() >= rules.alarm_gain)
       tried.push_back({std::move(fit), std::move(table)});
   }

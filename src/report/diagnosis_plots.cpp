@@ -277,15 +277,19 @@ Plot curve_plot(const UnknownCurve& curve) {
   Plot plot;
   plot.title = fmt::format("against {}", curve.over);
   plot.unit = handy.unit;
+  const bool is_length = curve.over_unit.starts_with("m");  // m, m/s
+  const HandyUnit over = is_length ? HandyUnit{"m" + curve.over_unit, 1e3} : handy_unit_of(curve.over_unit);
+  const bool is_pressure = curve.over_unit == "Pa";
   plot.x_title = curve.over;
-  plot.x_unit = curve.over_unit;
+  plot.x_unit = is_length || is_pressure ? over.unit : curve.over_unit;
+  const double factor = is_length || is_pressure ? over.factor : 1.0;
   Curve points{"table", after_tone, {}, {}, false, false};
   Band band{"two standard errors", after_tone, {}, {}, {}};
   for (const UnknownCurve::Point& point : curve.points) {
     const double value = handy.factor * point.value, width = 2 * handy.factor * point.standard_error;
-    points.x.push_back(point.place);
+    points.x.push_back(factor * point.place);
     points.y.push_back(value);
-    band.x.push_back(point.place);
+    band.x.push_back(factor * point.place);
     band.low.push_back(value - width);
     band.high.push_back(value + width);
   }

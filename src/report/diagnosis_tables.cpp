@@ -1,6 +1,8 @@
 // The tables of a diagnosis.
 #include <report/diagnosis_tables.hpp>
 
+#include <cmath>
+
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <report/diagnosis_words.hpp>
@@ -97,8 +99,9 @@ Table fit_table(const std::vector<ChannelFit>& channels) {
       figures("held out, after", &ChannelFit::held_out_after),
       column("after over floor", "", channels,
              [](const ChannelFit& c) { return c.noise > 0 ? fmt::format("{:.2f}", c.after / c.noise) : "–"; }),
-      column("correlation of neighbours", "", channels,
-             [](const ChannelFit& c) { return fmt::format("{:.2f}", c.correlation); })};
+      column("correlation of neighbours", "", channels, [](const ChannelFit& c) {
+        return std::isfinite(c.correlation) ? fmt::format("{:.2f}", c.correlation) : "–";
+      })};
   return table;
 }
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <map>
 
 #include <fmt/format.h>
@@ -196,7 +197,7 @@ std::vector<ChannelFit> channels_of(ResidualModel& model, const Search& search, 
   std::vector<ChannelFit> out;
   for (std::size_t c = 0; c < floors.size(); ++c)
     out.push_back({model.channels()[c].column(), floors[c], before[c].fitted, after[c].fitted, before[c].held_out,
-                   after[c].held_out, 0.0});
+                   after[c].held_out, std::numeric_limits<double>::quiet_NaN()});
   return out;
 }
 

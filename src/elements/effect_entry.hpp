@@ -209,10 +209,17 @@ struct EffectEntry {
   Few<EffectSignature, 2> signatures{};
 };
 
-/// The values of a table, each with the same prior.
-constexpr Few<ParameterTrait, 8> table_values(const TableKeys& keys, EffectScale scale, double spread) {
+/// A function by its points: every value with the same prior.
+constexpr EffectEntry table_entry(std::string_view name, std::string_view words, std::string_view element,
+                                  std::string_view over, const TableKeys& keys, EffectScale scale, double spread) {
   const auto at = [&](std::size_t i) { return amplitude(keys.values[i], scale, spread); };
-  return {at(0), at(1), at(2), at(3), at(4), at(5), at(6), at(7)};
+  return {.name = name,
+          .words = words,
+          .element = element,
+          .family = "table",
+          .role = EffectRole::table,
+          .parameters = {at(0), at(1), at(2), at(3), at(4), at(5), at(6), at(7)},
+          .over = over};
 }
 
 /// An effect's name apart: chamber_leak_1 is chamber_leak and 1, sensor_gain:x is sensor_gain and x.

@@ -304,13 +304,8 @@ constexpr EffectEntry pneumatic_entries[] = {
      .parameters = {amplitude("area_m2", valve_area, 0.01, 2.5e-5),
                     shape("center_m", half_stroke, 0.5, leak_zone_centers).over_motion(),
                     shape("width_m", half_stroke, 0.7, leak_zone_widths).by(Variation::logarithmic)}},
-    {.name = "leak_over_pressure",
-     .words = "a leak of chamber # by a table over its pressure",
-     .element = "chamber",
-     .family = "table",
-     .role = EffectRole::table,
-     .parameters = table_values(leak_over_pressure_keys, valve_area, 0.01),
-     .over = "pressure"},
+    table_entry("leak_over_pressure", "a leak of chamber # by a table over its pressure", "chamber", "pressure",
+                leak_over_pressure_keys, valve_area, 0.01),
 };
 
 }  // namespace

@@ -6,9 +6,8 @@
 
 #include <pneuservo/core/pack.hpp>
 #include <pneuservo/elements/slider.hpp>
-#include <pneuservo/rig/plant.hpp>
 
-#include "rig/nominal_axis.hpp"
+#include "rig/held_piston.hpp"
 
 using namespace pneuservo;
 
@@ -41,21 +40,8 @@ void check_same(const std::vector<double>& a, const std::vector<double>& b) {
   for (std::size_t i = 0; i < a.size(); ++i) CHECK(a[i] == Approx(b[i]).margin(1e-9));
 }
 
-/// Pressures of a held piston's chambers for a second.
-std::vector<double> held_pressures(const AxisEffects<double>& effects) {
-  AxisParameters<double> axis = test::nominal_axis();
-  axis.effects = effects;
-  AxisPlant<double> plant;
-  plant.configure(axis, 1e-3, 2.0);
-  plant.hold_piston(true);
-  plant.reset({0.0, 600e3, 500e3});
-  std::vector<double> out;
-  for (int k = 0; k < 1000; ++k) {
-    plant.step(0.0);
-    out.push_back(low(plant.chamber_pressure()));
-    out.push_back(high(plant.chamber_pressure()));
-  }
-  return out;
+std::vector<double> pressures_with(const AxisEffects<double>& effects) {
+  return test::held_pressures(effects, 600e3, 500e3, 1000);
 }
 
 }  // namespace
@@ -114,13 +100,13 @@ TEST_CASE("a leak by a table is the leak that it draws") {
   law.chamber_leak_2.area_m2 = 3e-8;
   table.leak_over_pressure_2.place = eighths(1e5, 8e5);
   table.leak_over_pressure_2.value.fill(3e-8);
-  CHECK(held_pressures(law) != held_pressures({}));
-  CHECK(held_pressures(table) == held_pressures(law));
+  CHECK(pressures_with(law) != pressures_with({}));
+  CHECK(pressures_with(table) == pressures_with(law));
   law = table = {};
   law.chamber_relief_1 = {2e-13, 550e3};
   table.leak_over_pressure_1.place = {1e5, 2e5, 3e5, 4e5, 5e5, 550e3, 650e3, 750e3};
   table.leak_over_pressure_1.value = {0, 0, 0, 0, 0, 0, 2e-8, 4e-8};
-  const std::vector<double> a = held_pressures(table), b = held_pressures(law);
-  CHECK(b != held_pressures({}));
+  const std::vector<double> a = pressures_with(table), b = pressures_with(law);
+  CHECK(b != pressures_with({}));
   for (std::size_t i = 0; i < a.size(); ++i) CHECK(a[i] == Approx(b[i]).epsilon(1e-9));
 }

@@ -84,13 +84,14 @@ template <class S> struct OfEachEdge {
 template <class S> struct ValveLinearity {
   S at_3_percent = S(0), at_5_percent = S(0), at_8_percent = S(0), at_12_percent = S(0), at_20_percent = S(0),
     at_40_percent = S(0);
+  static constexpr std::array<double, 6> ways{0.03, 0.05, 0.08, 0.12, 0.2, 0.4};  ///< over the largest command
   S share(const S& way) const noexcept {
-    const auto part = [&](double from, double to) {
-      return minimum(maximum((way - S(from)) * S(1 / (to - from)), S(0)), S(1));
+    const auto part = [&](std::size_t from) {
+      return minimum(maximum((way - S(ways[from])) * S(1 / (ways[from + 1] - ways[from])), S(0)), S(1));
     };
-    return at_3_percent + (at_5_percent - at_3_percent) * part(0.03, 0.05) +
-           (at_8_percent - at_5_percent) * part(0.05, 0.08) + (at_12_percent - at_8_percent) * part(0.08, 0.12) +
-           (at_20_percent - at_12_percent) * part(0.12, 0.2) + (at_40_percent - at_20_percent) * part(0.2, 0.4);
+    return at_3_percent + (at_5_percent - at_3_percent) * part(0) + (at_8_percent - at_5_percent) * part(1) +
+           (at_12_percent - at_8_percent) * part(2) + (at_20_percent - at_12_percent) * part(3) +
+           (at_40_percent - at_20_percent) * part(4);
   }
   S size() const noexcept {
     return absolute(at_3_percent) + absolute(at_5_percent) + absolute(at_8_percent) + absolute(at_12_percent) +

@@ -2,7 +2,6 @@
 #include "diagnosis/latent/unknown_curve.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 #include <map>
@@ -19,16 +18,13 @@ namespace pneuservo {
 
 namespace {
 
-constexpr int steps = 8;  ///< a table is linear in its values; the tolerances beside it are soon settled
+constexpr int most_steps = 8;  ///< a fit ends before, where a step gains less than a tenth in chi2
 
 /// Tables that are fitted together, and what their points stand over.
 struct TableSet {
   std::vector<std::string> effects;
   std::string over;
 };
-
-/// Shares of a valve's edges at ways of its spool are a table that every valve has.
-constexpr std::array<double, 6> valve_ways{0.03, 0.05, 0.08, 0.12, 0.2, 0.4};
 
 std::vector<TableSet> tables_at(const Rig& rig, const std::string& element, bool is_whole) {
   std::vector<TableSet> out;
@@ -74,7 +70,7 @@ std::vector<double> places_passed(ResidualModel& model, const Hypothesis& owner,
   }
   std::erase_if(out, [](double value) { return !std::isfinite(value); });
   std::sort(out.begin(), out.end());
-  // What is passed in two hundredths of all rows tells nothing of a value of its own.
+  // An end that a two-hundredth of all rows reaches is told by noise: a value there has the prior's error.
   const auto rare = static_cast<std::ptrdiff_t>(out.size() / 200);
   return {out.begin() + rare, out.end() - rare};
 }
@@ -82,7 +78,6 @@ std::vector<double> places_passed(ResidualModel& model, const Hypothesis& owner,
 /// Half by way and half by rows: where a machine rests most rows are, and where it moves between them most of its law.
 /// No two lie closer than a fiftieth of all.
 std::vector<double> points_over(const std::vector<double>& passed) {
-  constexpr std::size_t points = PointTable<double>::points;
   const double first = passed.front(), range = passed.back() - first;
   const auto last = static_cast<double>(passed.size() - 1);
   const auto share = [&](std::size_t i) {
@@ -90,12 +85,12 @@ std::vector<double> points_over(const std::vector<double>& passed) {
   };
   std::vector<double> out{first};
   std::size_t next = 1;
-  for (std::size_t i = 1; i < points; ++i) {
-    const double wanted = static_cast<double>(i) / (points - 1);
+  for (std::size_t i = 1, last_point = PointTable<double>::points - 1; i <= last_point; ++i) {
+    const double wanted = static_cast<double>(i) / static_cast<double>(last_point);
     while (next + 1 < passed.size() && share(next) < wanted) ++next;
     const double before = share(next - 1), part = std::clamp((wanted - before) / (share(next) - before), 0.0, 1.0);
     const double least = out.back() + range / 50,
-                 most = passed.back() - range / 50 * static_cast<double>(points - 1 - i);
+                 most = passed.back() - range / 50 * static_cast<double>(last_point - i);
     out.push_back(std::min(std::max(passed[next - 1] + part * (passed[next] - passed[next - 1]), least), most));
   }
   return out;
@@ -124,7 +119,7 @@ Fit plain(FittedRows& rows, const Fit& fit) {
   out.freed_from.reset();
   out.known_columns.assign(out.parameters.size(), 0);
   linearise(rows, {&out});
-  if (fit.freed_from && !out.failed) improve(rows, {&out}, steps, Columns::corrected);
+  if (fit.freed_from && !out.failed) improve(rows, {&out}, most_steps, Columns::corrected);
   return out;
 }
 
@@ -145,7 +140,7 @@ Fit fit_beside(FittedRows& rows, const Rig& rig, const Fit& beside, const TableS
   for (std::size_t i = 0; i < fit.own_count; ++i)
     fit.z(static_cast<Eigen::Index>(i)) = std::clamp(0.0, fit.parameters[i].lower, fit.parameters[i].upper);
   linearise(rows, {&fit});
-  if (!fit.failed) improve(rows, {&fit}, steps, Columns::corrected);
+  if (!fit.failed) improve(rows, {&fit}, most_steps, Columns::corrected);
   return fit;
 }
 
@@ -160,7 +155,7 @@ void add_points(const Fit& fit, const TableSet& table, UnknownCurve& out) {
     const auto at = static_cast<Eigen::Index>(i);
     UnknownCurve::Point point{0, value.value(fit.z(at)), value.slope(fit.z(at)) * std::sqrt(covariance(at, at))};
     if (is_of_edges) {
-      const double way = valve_ways.at(i % each) * fit.base.rig.axis.valve.command_max_V;
+      const double way = ValveLinearity<double>::ways.at(i % each) * fit.base.rig.axis.valve.command_max_V;
       point.place = table.effects[i / each].ends_with("backward") ? -way : way;
     }
     out.points.push_back(point);

@@ -446,9 +446,8 @@ Diagnosis diagnose(const Rig& rig, ResidualModel& model, const DiagnoseOptions& 
     Decision decision = decided_twice(rig, rows, search, options.rules, options.progress, beside, out.warnings);
     if (options.progress) options.progress(later_search.end, "verdict");
     const Search& used = beside ? *beside : search;
-    LatentJudgement judgement;
     std::vector<Screened> screening = screened_beside(rig, rows, used, decision, options.rules);
-    if (options.with_free_functions) judgement = judge_by_latents(rows, decision, used, options.rules);
+    const LatentJudgement judgement = judge_by_latents(rows, decision, used, options.rules);
     take_refuted_names(judgement, used, options.rules, decision);
     tell(rig, model, decision, judgement, used, screening, options, out);
   } catch (const DiagnosisStopped&) {

@@ -21,7 +21,6 @@ struct DiagnoseOptions {
   StopQuestion stop;                                               ///< true ends early with what is there
   DecisionRules rules;
   std::vector<std::string> left_out;  ///< names that are not tried: what is said where the list has a gap
-  bool with_free_functions = true;  ///< of time, at each element: they say where an unknown sits and judge the names
   bool with_curve = false;  ///< of an unknown: the table that stands best for it
   bool is_whole = true;  ///< recordings are compared from their start on, so that time is theirs
   int self_test = 0;  ///< machines as the answer has them that are diagnosed, too

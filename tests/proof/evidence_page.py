@@ -29,7 +29,7 @@ def all_right(figures):
 
 ROWS = [
     Row("numbers", "numbers", "numbers that decide a verdict (`DecisionRules`)", "at most 15", lambda f: f["value"] <= 15),
-    Row("numbers-source", "numbers", "of them with their source in the [method](physics/diagnosis-method.md#4-verdict)", "all", all_right),
+    Row("numbers-source", "numbers", "of them with statistics or a measurement behind them, by the [method](physics/diagnosis-method.md#4-verdict)", "all", all_right),
     *(Row(name + more, name, f"{words}: {what}", asked, met)
       for name, words in (("labelled", "44 labelled cases"), ("background", "10 with a background"), ("others", "19 unlike the thesis'"))
       for more, what, asked, met in (("", "right", "-", None), ("-sizes", "sizes within two standard errors", "about 95 %", lambda f: f["low"] <= 0.954 <= f["high"]),

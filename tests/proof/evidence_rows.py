@@ -38,11 +38,12 @@ def vocabulary_of(options):
 
 
 def numbers(options):
-    """Members of DecisionRules, and those that the method's page names with where they come from."""
+    """Members of DecisionRules, and those that by the method's page have statistics or a measurement behind them."""
     text = (options.root / "src/diagnosis/verdict/decision_rules.hpp").read_text(encoding="utf-8")
     names = re.findall(r"^  (?:double|std::size_t|int|bool) (\w+) =", text, re.MULTILINE)
     method = (options.root / "docs/physics/diagnosis-method.md").read_text(encoding="utf-8")
-    without = [name for name in names if f"| `{name}`" not in method]
+    kinds = dict(re.findall(r"^\| `(\w+)` [\d.]+ \| (statistics|measured|labelled) \|", method, re.MULTILINE))
+    without = [name for name in names if kinds.get(name, "labelled") == "labelled"]
     return {"numbers": {"value": len(names), "found": str(len(names))},
             "numbers-source": {"right": len(names) - len(without), "of": len(names), "exact": True, "wrong": [", ".join(without)] if without else []}}
 
@@ -99,8 +100,7 @@ def ablation(options, name, *words):
     *more, root = words
     run(options, "ablation-trial", *more, root, out, "--program", options.program, "--jobs", options.jobs, may_end=(0, 1))
     cases = json.loads((out / "ablation.json").read_text(encoding="utf-8"))["cases"]
-    told = lambda c: f"{c['case']} without `{c['left_out']}`: " + (f"`{c['said']}` at {c['said_element']} ({c['probability']:.2f})" if c["said"] else c["verdict"]) + \
-        (f", granted {c['granted']}" if c["granted"] and not c["said"] else "")
+    told = lambda c: f"{c['case']} without `{c['left_out']}`: " + (f"`{c['said']}` at {c['said_element']} ({c['probability']:.2f})" if c["said"] else c["verdict"])
     rows = {}
     for row, words_of_row in ((name, ("right",)), (f"{name}-wrong", ("wrong",))):
         counted = [c for c in cases if c["judged"] in words_of_row]

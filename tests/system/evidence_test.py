@@ -92,8 +92,6 @@ for said, word in ((answer(("unknown", "line_1", 0.7, None), verdict="unknown"),
                    (answer(("piston_leak", "piston", 0.5, None)), "wrong"), (answer(("piston_leak", "piston", 0.49, None)), "doubted"), (answer(verdict="consistent"), "nothing")):
     got = ablation.judged(said, {"chamber_1", "line_1"})
     expect(got == word, f"{said}: {got}, expected {word}")
-moved = {"parameters_moved": [{"path": "effects.valve_lag.time_constant_s", "fitted": 0.01234}, {"path": "effects.valve_lag_2.x", "fitted": 1.0}]}
-expect(ablation.granted(moved, "valve_lag") == "time_constant_s 0.0123", f"granted: {ablation.granted(moved, 'valve_lag')}")
 numbers = ablation.own_numbers(3, 20)
 expect(len(set(numbers)) == len(numbers) and all(number // 20 % 5 >= 2 for number in numbers), "own machines: each once, from 4 times the smallest size on")
 expect(numbers != ablation.own_numbers(4, 20), "own machines do not depend on the seed")

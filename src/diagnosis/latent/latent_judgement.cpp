@@ -9,9 +9,6 @@ namespace pneuservo {
 
 namespace {
 
-/// In log evidence. On clean machines the best function gained 6 to 14 in a trial, so that less says nothing.
-constexpr double clearly_behind = 20;
-
 double with_best(const LatentRanking& ranking) {
   return ranking.log_evidence + (ranking.inputs.empty() ? 0.0 : std::max(ranking.inputs.front().gain, 0.0));
 }
@@ -21,7 +18,7 @@ double with_best(const LatentRanking& ranking) {
 bool LatentJudgement::refutes_names(std::size_t names, const DecisionRules& rules) const {
   if (!named.has_value()) return false;
   if (names > 1) return std::max(names_ahead, names_bring) < rules.next_gain;
-  return names_ahead < -clearly_behind && names_bring < clearly_behind;
+  return names_ahead < -rules.alarm_gain && names_bring < rules.alarm_gain;
 }
 
 LatentJudgement judge_by_latents(FittedRows& rows, const Decision& decision, const Search& search,

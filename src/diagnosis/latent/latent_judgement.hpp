@@ -15,9 +15,10 @@ struct LatentJudgement {
   double names_bring = 0;  ///< of names and a function over that of the best function: what the names add to it
 
   bool is_there() const { return !owner.inputs.empty(); }
-  /// A name alone is clearly behind a function that anything may have, and adds nothing to one. A right name beside a
-  /// background may be behind, but adds much; one that only bends what is missing adds nothing. Several names are more
-  /// causes than the one that a function stands for: they have to be ahead of it, or add, what one more name has to.
+  /// A name alone is behind a function that anything may have by what a first name needs, and adds less to one. A right
+  /// name beside a background may be behind, but adds much; one that only bends what is missing adds nothing. Several
+  /// names are more causes than the one that a function stands for: they have to be ahead of it, or add, what one more
+  /// name has to.
   bool refutes_names(std::size_t names, const DecisionRules& rules) const;
 };
 

@@ -120,18 +120,41 @@ double rms_drop(const SidedCourse& course, std::size_t side) {
   return std::sqrt(sum / static_cast<double>(port.size()));
 }
 
+/// What the position's reading may hide of a chamber's pressure: a light slider trembles within a step of its encoder.
+double hidden_Pa(const Rig& owner, const CylinderRecording& recording, const SidedCourse& course, std::size_t side) {
+  const CylinderParameters<double>& cylinder = owner.axis.cylinder;
+  const double area_m2 = side == 0 ? cylinder.area_1_m2 : cylinder.area_2_m2,
+               dead_m3 = side == 0 ? cylinder.dead_volume_1_m3 : cylinder.dead_volume_2_m3,
+               towards = side == 0 ? 1.0 : -1.0, off_m = owner.sensors.position.rms_m();
+  const std::vector<double>& chamber_Pa = course[chamber_signals[side]];
+  double squares = 0;
+  for (std::size_t k = 0; k < chamber_Pa.size(); ++k) {
+    const double way_m = std::max(0.0, 0.5 * cylinder.stroke_m + towards * recording.inputs.position_m[k]);
+    const double off_Pa = owner.axis.air.heat_capacity_ratio * chamber_Pa[k] * area_m2 * off_m /
+                          std::max(dead_m3 + area_m2 * way_m, area_m2 * off_m);
+    squares += off_Pa * off_Pa;
+  }
+  return std::sqrt(squares / static_cast<double>(chamber_Pa.size()));
+}
+
 /// The model's own error of a channel of the gas, where nothing is missing.
-double floor_of(Signal signal, const std::vector<SidedCourse>& courses) {
-  double size = 0;
-  for (const SidedCourse& course : courses) {
-    if (is_in_pascal(signal) && info(signal).side != 0) size = std::max(size, rms_drop(course, side_of(signal)));
+double floor_of(Signal signal, const Rig& owner, const std::vector<CylinderRecording>& recordings,
+                const std::vector<SidedCourse>& courses) {
+  double size = 0, hidden = 0;
+  for (std::size_t r = 0; r < courses.size(); ++r) {
+    const SidedCourse& course = courses[r];
+    if (is_in_pascal(signal) && info(signal).side != 0) {
+      size = std::max(size, rms_drop(course, side_of(signal)));
+      hidden = std::max(hidden, hidden_Pa(owner, recordings[r], course, side_of(signal)));
+    }
     if (is_in_pascal(signal)) continue;
     const std::vector<double>& flow = course[signal];
     const double squares = std::inner_product(flow.begin(), flow.end(), flow.begin(), 0.0);
     size = std::max(size, std::sqrt(squares / static_cast<double>(flow.size())));
   }
   if (!std::isfinite(size)) size = 0;
-  return is_in_pascal(signal) ? std::hypot(pressure_floor_Pa, drop_share * size) : flow_share * size;
+  if (!std::isfinite(hidden)) hidden = 0;
+  return is_in_pascal(signal) ? std::hypot(pressure_floor_Pa, drop_share * size, hidden) : flow_share * size;
 }
 
 }  // namespace
@@ -168,7 +191,7 @@ void CylinderResiduals::declare_channels() {
     // The flow follows a noisy command at once: its quick changes are no noise of the meter.
     const double resolution = owner_.sensors.resolution(signal).rms();
     ResidualChannel out{std::string(info(signal).name), std::string(info(signal).unit), resolution,
-                        floor_of(signal, courses[0])};
+                        floor_of(signal, owner_, recordings_, courses[0])};
     if (is_in_pascal(signal)) out.noise = largest_noise(recordings_, signal, resolution);
     // A supply that swings within the tolerance of its pressure is as its owner says.
     if (const auto stated = owner_.tolerances.find("supply.pressure_Pa");

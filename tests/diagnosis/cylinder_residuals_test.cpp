@@ -78,6 +78,31 @@ TEST_CASE("cylinder residuals: at the truth every channel is at its noise") {
   }
 }
 
+TEST_CASE("cylinder residuals: what a coarse encoder hides of the volume is in the floor of the pressures") {
+  Rig rig = cylinder_rig();
+  rig.sensors.position = {1e-9, 0};
+  const Recording recording = simulated_recording(rig, 3.0, 3, all_pressures);
+  const CylinderResiduals fine(rig, {recording});
+  rig.sensors.position.quantum_m = 100e-6;
+  const CylinderResiduals coarse(rig, {recording});
+  const CylinderParameters<double>& cylinder = rig.axis.cylinder;
+  const std::vector<double>& x = recording.column("x_m");
+  const auto [least_m, most_m] = std::minmax_element(x.begin(), x.end());
+  const auto hidden_Pa = [&](double p_Pa, double x_m) {
+    const double way_m = 0.5 * cylinder.stroke_m + x_m;
+    return rig.axis.air.heat_capacity_ratio * p_Pa * cylinder.area_1_m2 * 100e-6 / std::sqrt(12.0) /
+           (cylinder.dead_volume_1_m3 + cylinder.area_1_m2 * way_m);
+  };
+  const std::vector<double>& p = recording.column("p1_chamber_Pa");
+  const auto [least_Pa, most_Pa] = std::minmax_element(p.begin(), p.end());
+  for (const std::size_t c : {std::size_t{0}, std::size_t{2}}) {
+    CAPTURE(fine.channels()[c].name);
+    const double more_Pa = std::sqrt(std::pow(coarse.channels()[c].floor, 2) - std::pow(fine.channels()[c].floor, 2));
+    CHECK(more_Pa > hidden_Pa(*least_Pa, *most_m));
+    CHECK(more_Pa < hidden_Pa(*most_Pa, *least_m));
+  }
+}
+
 TEST_CASE("cylinder residuals: a friction that is not there gains nothing from the noise at rest") {
   const Rig rig = cylinder_rig();
   CylinderResiduals model(rig, {simulated_recording(rig, 6.0, 9, all_pressures)});

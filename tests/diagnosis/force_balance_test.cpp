@@ -1,6 +1,7 @@
 // The force balance against sliders whose drive force is known exactly, and its kernels against polynomials.
 #include <catch2/catch.hpp>
 
+#include <array>
 #include <cmath>
 #include <functional>
 #include <random>
@@ -120,7 +121,7 @@ TEST_CASE("every law on the slider balances its own motion and no other") {
   Rig rig = slider_rig();
   law.set(rig.axis.effects.motion);
   const Record record = recorded(rig);
-  const ForceBalance balance(record.position_m, period_s, 0.0);
+  const ForceBalance balance(record.position_m, period_s, {});
   const double own = rms_residual(balance, record, rig);
   CHECK(own < 0.35);
   if (law.name != "nothing") {
@@ -135,7 +136,7 @@ TEST_CASE("dry friction that builds up before it slides balances its own motion 
   Rig jumping = sheared;
   sheared.axis.effects.motion.presliding.way_m = 1e-3;
   const Record record = recorded(sheared), other = recorded(jumping);
-  const ForceBalance balance(record.position_m, period_s, 0.0), others(other.position_m, period_s, 0.0);
+  const ForceBalance balance(record.position_m, period_s, {}), others(other.position_m, period_s, {});
   const double own = rms_residual(balance, record, sheared);
   CHECK(own < 0.35);
   CHECK(rms_residual(balance, record, jumping) > 3 * own);
@@ -155,7 +156,7 @@ TEST_CASE("what follows a gap asks for the same force of a swinging load as the 
     return std::vector<double>(column.begin() + static_cast<std::ptrdiff_t>(first), column.end());
   };
   const std::vector<double> position_m = behind(whole.position_m), gauge_Pa = behind(whole.gauge_Pa);
-  const ForceBalance all(whole.position_m, period_s, 0.0), part(position_m, period_s, 0.0);
+  const ForceBalance all(whole.position_m, period_s, {}), part(position_m, period_s, {});
   const std::vector<double> drive = all.kernel().apply(whole.force_N, 0),
                             drive_behind = part.kernel().apply(behind(whole.force_N), 0);
   const std::vector<double> needed = all.required_force(rig, drive, whole.gauge_Pa),
@@ -175,7 +176,7 @@ TEST_CASE("a load that swings where a recording begins is carried on from there,
   INFO(rows << " rows are missing at the beginning");
   for (std::vector<double>* column : {&record.position_m, &record.force_N, &record.gauge_Pa})
     column->erase(column->begin(), column->begin() + rows);
-  const ForceBalance balance(record.position_m, period_s, 0.0);
+  const ForceBalance balance(record.position_m, period_s, {});
   const double own = rms_residual(balance, record, rig);
   CHECK(own < 0.35);
   Rig slower = rig;
@@ -197,7 +198,7 @@ TEST_CASE("a slider that is held never reads as missing friction, whatever the f
     record.force_N.push_back(8 * std::sin(0.003 * i));
     record.gauge_Pa.push_back(0);
   }
-  const ForceBalance balance(record.position_m, period_s, 0.0);
+  const ForceBalance balance(record.position_m, period_s, {});
   CHECK(rms_residual(balance, record, rig) < 0.01);
   rig.axis.effects.motion.coulomb_friction.force_N = 4;  // cannot hold 8 N
   CHECK(rms_residual(balance, record, rig) > 1.5);
@@ -222,8 +223,8 @@ TEST_CASE("a turn in which friction holds for a while, or hardly, is balanced by
     for (int sub = 0; sub < substeps; ++sub)
       slider.step(period_s / substeps, force_at((row + (sub + 0.5) / substeps) * period_s), {});
   }
-  const ForceBalance balance(record.position_m, period_s, noise_m);
-  const double noise_N = balance.force_noise(rig, 1), own = rms_residual(balance, record, rig);
+  const ForceBalance balance(record.position_m, period_s, {noise_m * std::sqrt(12.0), 0});
+  const double noise_N = balance.force_noise(rig, balance.reading_noise(1)), own = rms_residual(balance, record, rig);
   CHECK(own < 0.03 + 1.1 * noise_N);  // friction put at the turn of the smoothed speed misses 0.08 to 0.28 N
   for (const double other_N : {3.6, 4.4}) {
     rig.axis.effects.motion.coulomb_friction.force_N = other_N;
@@ -247,7 +248,7 @@ TEST_CASE("the position sensor's gain and lag are undone before the balance") {
     read[i] = gain * state;
   }
   record.position_m = read;
-  const ForceBalance balance(record.position_m, period_s, 0.0);
+  const ForceBalance balance(record.position_m, period_s, {});
   Rig supposed = truth;
   const double without = rms_residual(balance, record, supposed);
   set_parameter(supposed, "effects.sensor_gain:x.gain", gain);
@@ -259,7 +260,7 @@ TEST_CASE("ends, missing positions and end stops are left out") {
   std::vector<double> position(1000, 0.0);
   position[500] = std::nan("");
   for (int i = 800; i < 880; ++i) position[static_cast<std::size_t>(i)] = 0.1499;
-  const ForceBalance balance(position, period_s, 0.0);
+  const ForceBalance balance(position, period_s, {});
   CHECK_FALSE(balance.usable()[10]);
   CHECK_FALSE(balance.usable()[495]);
   CHECK(balance.usable()[300]);
@@ -280,7 +281,7 @@ TEST_CASE("the force's noise is that of the slider that is supposed: a coupled l
     true_m.push_back(0.05 * std::sin(2 * M_PI * 0.7 * i * period_s));
     read_m.push_back(true_m.back() + error(generator));
   }
-  const ForceBalance read(read_m, period_s, noise_m), exact(true_m, period_s, noise_m);
+  const ForceBalance read(read_m, period_s, {0, noise_m}), exact(true_m, period_s, {0, noise_m});
   const std::size_t count = 10;
   const auto seen_noise_N = [&](const Rig& rig) {
     const std::vector<double> nothing(read_m.size(), 0.0);
@@ -298,10 +299,59 @@ TEST_CASE("the force's noise is that of the slider that is supposed: a coupled l
   elastic.axis.effects.motion.elastic_load = {1.5, 11.0, 0.1};
   loose.axis.effects.motion.load_backlash = {1.5, 1e-3, 60.0, 0.3};
   lagging.sensor_effects[Signal::x].sensor_lag.time_constant_s = 0.01;
-  const double of_rigid_N = read.force_noise(rigid, count);
+  const ReadingNoise noise = read.reading_noise(count);
+  const double of_rigid_N = read.force_noise(rigid, noise);
   for (const Rig* rig : {&rigid, &elastic, &loose, &lagging})
-    CHECK(read.force_noise(*rig, count) == Approx(seen_noise_N(*rig)).epsilon(0.1));
+    CHECK(read.force_noise(*rig, noise) == Approx(seen_noise_N(*rig)).epsilon(0.1));
   // 1.0 of 2.5 kg is left for the noise to shake.
-  CHECK(read.force_noise(elastic, count) == Approx(0.4 * of_rigid_N).epsilon(0.15));
-  CHECK(read.force_noise(lagging, count) > 1.5 * of_rigid_N);
+  CHECK(read.force_noise(elastic, noise) == Approx(0.4 * of_rigid_N).epsilon(0.15));
+  CHECK(read.force_noise(lagging, noise) > 1.5 * of_rigid_N);
+}
+
+TEST_CASE("an encoder's steps are noise in fast motion, a wave in slow motion and nothing at rest") {
+  const double step_m = 50e-6, slow_mps = 1.5e-3, fast_mps = 0.2137;
+  std::vector<double> true_m, read_m;
+  for (int i = 0; i < 12000; ++i) {
+    const double v = i < 4000 ? slow_mps : i < 8000 ? fast_mps : 0.0;
+    true_m.push_back((true_m.empty() ? 0.0 : true_m.back()) + v * period_s);
+    read_m.push_back(step_m * std::round(true_m.back() / step_m));
+  }
+  const SensorResolution steps{step_m, 0};
+  const ForceBalance read(read_m, period_s, steps), exact(true_m, period_s, steps);
+  const std::size_t count = 10;
+  const ReadingNoise noise = read.reading_noise(count);
+  const std::vector<double> nothing(read_m.size(), 0.0);
+  Rig rig = slider_rig();
+  rig.axis.slider.viscous_friction_Ns_per_m = 0.0;
+  const double mass_kg = rig.axis.slider.mass_kg + rig.axis.slider.payload_kg;
+  const std::vector<double> with = read.required_force(rig, nothing, {}),
+                            without = exact.required_force(rig, nothing, {});
+  const auto over = [&](std::size_t from, std::size_t end) {
+    double seen = 0, told = 0, found = 0;
+    for (std::size_t first = from; first + count < end; first += count, ++found) {
+      double mean = 0;
+      for (std::size_t i = first; i < first + count; ++i) mean += (with[i] - without[i]) / static_cast<double>(count);
+      seen += mean * mean, told += std::pow(mass_kg * noise.acceleration[first], 2);
+    }
+    return std::array{std::sqrt(seen / found), std::sqrt(told / found)};
+  };
+  const auto slow = over(200, 3800), fast = over(4200, 7800), rest = over(8200, 11800);
+  CHECK(slow[1] == Approx(slow[0]).epsilon(0.2));
+  CHECK(fast[1] == Approx(fast[0]).epsilon(0.3));
+  CHECK(slow[0] > 3 * fast[0]);
+  CHECK(rest[0] < 1e-6);
+  CHECK(rest[1] < 1e-6);
+}
+
+TEST_CASE("a load that swallows the encoder's noise gains nothing by it, and keeps what it explains") {
+  const std::vector<double> share(100, 0.4);  // of the squared sigma
+  const auto squares = [&](double residual, double followed) {
+    const std::vector<double> all(100, residual);
+    return 100 * std::pow(residual * factor_for_noise(all, share, followed), 2);
+  };
+  const double noise = std::sqrt(0.4);
+  CHECK(squares(noise, 1.0) == Approx(40));
+  CHECK(squares(0.5 * noise, 0.25) == Approx(40));
+  CHECK(squares(3.0, 1.0) - squares(2.0, 0.25) == Approx(500 - 30));
+  CHECK(squares(noise, 4.0) == Approx(40));  // more noise excuses nothing
 }

@@ -107,7 +107,7 @@ TEST_CASE("servo table: friction has its size in micrometres of motion, and a ga
     drive[k] = -rig.axis.slider.mass_kg * amplitude_m * rate * rate * std::sin(phase) +
                (std::cos(phase) > 0 ? friction_N : -friction_N);
   }
-  const ForceBalance balance(x, rig.period_s, rig.sensors.position.rms_m());
+  const ForceBalance balance(x, rig.period_s, rig.sensors.resolution(Signal::x));
   const std::vector<double> smooth = balance.kernel().apply(drive, 0);
   for (const double share : {0.5, 1.0, 2.0}) {
     CAPTURE(share);

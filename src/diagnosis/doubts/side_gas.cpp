@@ -49,7 +49,7 @@ std::optional<SideGas> side_gas(const Rig& rig, const CylinderRecording& prepare
 }
 
 ForceBalance smoothed_motion(const Rig& rig, const CylinderRecording& prepared) {
-  return ForceBalance(prepared.position_m, prepared.period_s(), rig.sensors.position.rms_m(),
+  return ForceBalance(prepared.position_m, prepared.period_s(), rig.sensors.resolution(Signal::x),
                       std::max(spreading_periods, (noise_s + delay_s(rig.axis)) / prepared.period_s()));
 }
 

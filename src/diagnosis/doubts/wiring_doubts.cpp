@@ -127,7 +127,7 @@ std::pair<double, double> force_lead(const Rig& rig, const Recording& whole, dou
   const Recording recording = most_moving_part(whole, force_judged_s);
   const EvenSamples even(recording.t_s(), interval_s);
   const std::vector<double> measured = even.straight(recording.column("F_N")), force = held_over_gaps(measured);
-  const ForceBalance balance(even.drawn(recording.column("x_m")), interval_s, rig.sensors.position.rms_m());
+  const ForceBalance balance(even.drawn(recording.column("x_m")), interval_s, rig.sensors.resolution(Signal::x));
   std::vector<char> known = balance.usable();
   for (std::size_t i = 0; i < known.size(); ++i) known[i] = known[i] && std::isfinite(measured[i]);
   const GaussianKernel& kernel = balance.kernel();

@@ -28,7 +28,7 @@ LatentJudgement judge_by_latents(FittedRows& rows, const Decision& decision, con
   out.owner = rank_latents(rows, search.owner(), never, search.left_out());
   if (!out.is_there()) return out;
   if (decision.verdict != Verdict::consistent && out.owner.inputs.front().gain > 0)
-    out.owner = ranked_again(rows, out.owner);
+    out.owner = ranked_again(rows, std::move(out.owner));
   if (decision.chosen->members.empty()) return out;
   // What stands by its evidence alone is asked no more.
   const double stands = decision.chosen->members.size() > 1 ? rules.next_gain : 0.0;

@@ -29,13 +29,9 @@ Fit with_small_physics(FittedRows& rows, const Fit& fit, const std::vector<std::
   return out;
 }
 
-}  // namespace
-
-namespace {
-
-void add_inputs(FittedRows& rows, LatentRanking& ranking) {
+void judge_inputs(FittedRows& rows, std::vector<LatentInput> inputs, LatentRanking& ranking) {
   const LatentEvidence evidence(rows.model().rows(), ranking.fit);
-  for (LatentInput& input : rows.model().latent_inputs(ranking.fit.hypothesis())) {
+  for (LatentInput& input : inputs) {
     const LatentFit found = evidence.of(input);
     ranking.inputs.push_back({std::move(input), found, found.log_evidence - ranking.log_evidence});
   }
@@ -51,11 +47,11 @@ LatentRanking rank_latents(FittedRows& rows, const Explanation& explanation, dou
   out.fit = with_small_physics(rows, explanation.fit, left_out);
   if (out.fit.failed) return out;
   out.log_evidence = LatentEvidence(rows.model().rows(), out.fit).without();
-  if (out.log_evidence < enough) add_inputs(rows, out);
+  if (out.log_evidence < enough) judge_inputs(rows, rows.model().latent_inputs(out.fit.hypothesis()), out);
   return out;
 }
 
-LatentRanking ranked_again(FittedRows& rows, const LatentRanking& ranking) {
+LatentRanking ranked_again(FittedRows& rows, LatentRanking ranking) {
   const RankedLatent& best = ranking.inputs.front();
   LatentRanking out;
   out.fit = ranking.fit;
@@ -69,7 +65,9 @@ LatentRanking ranked_again(FittedRows& rows, const LatentRanking& ranking) {
   if (out.fit.failed) return ranking;
   // Alone the fit stands best where it was, or here where small physics has moved too.
   out.log_evidence = std::max(ranking.log_evidence, LatentEvidence(rows.model().rows(), out.fit).without());
-  add_inputs(rows, out);
+  std::vector<LatentInput> inputs;
+  for (RankedLatent& latent : ranking.inputs) inputs.push_back(std::move(latent.input));
+  judge_inputs(rows, std::move(inputs), out);
   return out;
 }
 

@@ -26,7 +26,8 @@ struct LatentRanking {
 /// explanation alone has `enough` evidence. left_out: effects that small physics does not grant.
 LatentRanking rank_latents(FittedRows& rows, const Explanation& explanation, double enough,
                            const std::vector<std::string>& left_out);
-/// The same where the parameters stand beside the best function: what is missing had bent them.
-LatentRanking ranked_again(FittedRows& rows, const LatentRanking& ranking);
+/// The same where the parameters stand beside the best function: what is missing had bent them. The functions' answers
+/// are those of before, for a tolerance moves them by no more.
+LatentRanking ranked_again(FittedRows& rows, LatentRanking ranking);
 
 }  // namespace pneuservo

@@ -14,7 +14,7 @@ namespace {
 /// Pieces of 25, 50 and 100 ms tell the same.
 constexpr double piece_s = 0.1, sensor_piece_s = 0.05;
 /// Cells times sub-steps a second and line: answers to pieces of that length need no waves, and are good to 2 %.
-constexpr double bump_effort_per_s = 30e3;
+constexpr double bump_effort_per_s = 12e3;
 /// Of the force's floor: small enough for a derivative at rest, where friction balances it.
 constexpr double probed_share = 0.1;
 

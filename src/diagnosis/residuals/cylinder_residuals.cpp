@@ -120,18 +120,41 @@ double rms_drop(const SidedCourse& course, std::size_t side) {
   return std::sqrt(sum / static_cast<double>(port.size()));
 }
 
+/// What the position's reading may hide of a chamber's pressure: a light slider trembles within a step of its encoder.
+double hidden_Pa(const Rig& owner, const CylinderRecording& recording, const SidedCourse& course, std::size_t side) {
+  const CylinderParameters<double>& cylinder = owner.axis.cylinder;
+  const double area_m2 = side == 0 ? cylinder.area_1_m2 : cylinder.area_2_m2,
+               dead_m3 = side == 0 ? cylinder.dead_volume_1_m3 : cylinder.dead_volume_2_m3,
+               towards = side == 0 ? 1.0 : -1.0, off_m = owner.sensors.position.rms_m();
+  const std::vector<double>& chamber_Pa = course[chamber_signals[side]];
+  double squares = 0;
+  for (std::size_t k = 0; k < chamber_Pa.size(); ++k) {
+    const double way_m = std::max(0.0, 0.5 * cylinder.stroke_m + towards * recording.inputs.position_m[k]);
+    const double off_Pa = owner.axis.air.heat_capacity_ratio * chamber_Pa[k] * area_m2 * off_m /
+                          std::max(dead_m3 + area_m2 * way_m, area_m2 * off_m);
+    squares += off_Pa * off_Pa;
+  }
+  return std::sqrt(squares / static_cast<double>(chamber_Pa.size()));
+}
+
 /// The model's own error of a channel of the gas, where nothing is missing.
-double floor_of(Signal signal, const std::vector<SidedCourse>& courses) {
-  double size = 0;
-  for (const SidedCourse& course : courses) {
-    if (is_in_pascal(signal) && info(signal).side != 0) size = std::max(size, rms_drop(course, side_of(signal)));
+double floor_of(Signal signal, const Rig& owner, const std::vector<CylinderRecording>& recordings,
+                const std::vector<SidedCourse>& courses) {
+  double size = 0, hidden = 0;
+  for (std::size_t r = 0; r < courses.size(); ++r) {
+    const SidedCourse& course = courses[r];
+    if (is_in_pascal(signal) && info(signal).side != 0) {
+      size = std::max(size, rms_drop(course, side_of(signal)));
+      hidden = std::max(hidden, hidden_Pa(owner, recordings[r], course, side_of(signal)));
+    }
     if (is_in_pascal(signal)) continue;
     const std::vector<double>& flow = course[signal];
     const double squares = std::inner_product(flow.begin(), flow.end(), flow.begin(), 0.0);
     size = std::max(size, std::sqrt(squares / static_cast<double>(flow.size())));
   }
   if (!std::isfinite(size)) size = 0;
-  return is_in_pascal(signal) ? std::hypot(pressure_floor_Pa, drop_share * size) : flow_share * size;
+  if (!std::isfinite(hidden)) hidden = 0;
+  return is_in_pascal(signal) ? std::hypot(pressure_floor_Pa, drop_share * size, hidden) : flow_share * size;
 }
 
 }  // namespace
@@ -147,9 +170,9 @@ CylinderResiduals::CylinderResiduals(const Rig& owner, const std::vector<Recordi
     recordings_.back().held_out = {any_held_out(recordings), recording.is_held_out};
     recordings_.back().changes = machine_changes(owner, recording);
   }
-  const double position_noise = owner.sensors.position.rms_m();
   for (const CylinderRecording& recording : recordings_) {
-    balances_.emplace_back(recording.position_m, recording.period_s(), position_noise, least_sigma_periods);
+    balances_.emplace_back(recording.position_m, recording.period_s(), owner.sensors.resolution(Signal::x),
+                           least_sigma_periods);
     balances_.back().hold_out([&](std::size_t k) { return recording.held_out(recording.time_s(k)); });
   }
   gas_ = std::make_unique<GasRuns>(owner_, recordings_, jobs_, stop_);
@@ -168,7 +191,7 @@ void CylinderResiduals::declare_channels() {
     // The flow follows a noisy command at once: its quick changes are no noise of the meter.
     const double resolution = owner_.sensors.resolution(signal).rms();
     ResidualChannel out{std::string(info(signal).name), std::string(info(signal).unit), resolution,
-                        floor_of(signal, courses[0])};
+                        floor_of(signal, owner_, recordings_, courses[0])};
     if (is_in_pascal(signal)) out.noise = largest_noise(recordings_, signal, resolution);
     // A supply that swings within the tolerance of its pressure is as its owner says.
     if (const auto stated = owner_.tolerances.find("supply.pressure_Pa");
@@ -183,20 +206,21 @@ void CylinderResiduals::declare_channels() {
         chambers && !recording.measured[Signal::p1_chamber].empty() && !recording.measured[Signal::p2_chamber].empty();
   const double supply_Pa = owner_.axis.supply.pressure_Pa - owner_.axis.air.atmosphere_Pa;
   const double share = supply_Pa > 0 ? std::min(1.0, supply_Pa / floor_supply_Pa) : 1.0;
-  channels_.push_back({"F", "N", force_noise(0, 1), share * (chambers ? force_floor_N : force_floor_ports_N)});
+  const ForceBalance& balance = balances_.front();
+  const double noise = std::hypot(pressure_noise(0, 1),
+                                  balance.force_noise(RecordedRigs(owner_, recordings_)[0], balance.reading_noise(1)));
+  channels_.push_back({"F", "N", noise, share * (chambers ? force_floor_N : force_floor_ports_N)});
   signals_.push_back(Signal::F);
 }
 
-double CylinderResiduals::force_noise(std::size_t recording, std::size_t count) const {
+double CylinderResiduals::pressure_noise(std::size_t recording, std::size_t count) const {
   const double areas[2]{owner_.axis.cylinder.area_1_m2, owner_.axis.cylinder.area_2_m2};
-  const ForceBalance& balance = balances_[recording];
-  const RecordedRigs rigs(owner_, recordings_);
-  double squares = std::pow(balance.force_noise(rigs[recording], count), 2);
+  double squares = 0;
   for (std::size_t side = 0; side < 2; ++side)
     for (std::size_t i = 0; i < channels_.size(); ++i) {
       const bool measured = !recordings_[recording].measured[chamber_signals[side]].empty();
       if (signals_[i] != (measured ? chamber_signals : port_signals)[side]) continue;
-      const double gain = (measured ? balance.kernel() : slow_kernels_[recording]).noise_gain(0, count);
+      const double gain = (measured ? balances_[recording].kernel() : slow_kernels_[recording]).noise_gain(0, count);
       squares += std::pow(areas[side] * channels_[i].noise * gain, 2);
     }
   return std::sqrt(squares);
@@ -223,8 +247,10 @@ void CylinderResiduals::declare_rows() {
       const bool force = signal == Signal::F;
       const std::vector<double>& command = recording.inputs.command_of(side_of(signal));
       if (!force && recording.measured[signal].empty()) continue;
-      Stretch stretch{r, c, rows_.size(), {}, recording.usable, {}, {}, 0};
-      if (force) stretch.position_noise = balances_[r].force_noise(RecordedRigs(owner_, recordings_)[r], bin);
+      Stretch stretch{r, c, rows_.size(), {}, recording.usable, {}, {}, {}, 0, {}};
+      if (force) stretch.reading_noise = balances_[r].reading_noise(bin);
+      if (force)
+        stretch.owner_noise_N = balances_[r].force_noise(RecordedRigs(owner_, recordings_)[r], stretch.reading_noise);
       const std::vector<char> stops = balances_[r].near_end_stop(owner_.axis.cylinder.stroke_m);
       const std::vector<char> known = recording.usable;
       for (std::size_t k = 0; k < recording.samples(); ++k)
@@ -245,13 +271,16 @@ void CylinderResiduals::declare_rows() {
         ResidualRow row{static_cast<int>(c), static_cast<int>(r)};
         row.time_s = recording.time_s(first) + 0.5 * (bin_s - recording.period_s());
         add_means(row, recording.inputs, command, first, bin);
-        const double noise = force ? force_noise(r, bin) : channels_[c].noise / std::sqrt(values);
+        const double reading_N = force ? stretch.owner_noise_N * stretch.reading_noise.share(first) : 0.0;
+        const double noise =
+            force ? std::hypot(reading_N, pressure_noise(r, bin)) : channels_[c].noise / std::sqrt(values);
         const double since_s = recording.period_s() * static_cast<double>(first) - first_compared_s;
         const double start = start_Pa * std::exp(-since_s / start_fades_s);
         const double between = gap[c].empty() ? 0.0 : gap[c][first + bin / 2];
         row.sigma =
             std::hypot(noise, std::hypot(channels_[c].floor, start, between) * std::sqrt(floor_correlation_s / bin_s));
         row.sigma = std::hypot(row.sigma, largest_ringing(ringing[r], r, c, first, bin));
+        if (force) stretch.noise_share.push_back(std::pow(reading_N / row.sigma, 2));
         row.held_out = recording.held_out(recording.time_s(first));
         stretch.times_s.push_back(row.time_s);
         rows_.push_back(row);
@@ -388,11 +417,11 @@ CylinderResiduals::SampledCourse CylinderResiduals::course_of(const RecordedRigs
   return {data.measured[signal], readings(rig.sensor_effects[signal], gas[signal], data.period_s())};
 }
 
-double CylinderResiduals::less_noise(const Rig& rig, const Stretch& stretch) const {
-  if (signals_[stretch.channel] != Signal::F || stretch.bins.empty()) return 0;
-  const std::size_t count = stretch.bins.front().count;
-  const double noise = balances_[stretch.recording].force_noise(rig, count);
-  return std::min(0.0, noise * noise - stretch.position_noise * stretch.position_noise);
+double CylinderResiduals::factor_for_noise(const Rig& rig, const Stretch& stretch,
+                                           std::span<const double> residuals) const {
+  if (stretch.owner_noise_N == 0) return 1.0;
+  const double noise_N = balances_[stretch.recording].force_noise(rig, stretch.reading_noise);
+  return pneuservo::factor_for_noise(residuals, stretch.noise_share, std::pow(noise_N / stretch.owner_noise_N, 2));
 }
 
 Eigen::VectorXd CylinderResiduals::plain_column(const Rig& rig, const std::vector<SidedCourse>& gas) const {
@@ -401,14 +430,18 @@ Eigen::VectorXd CylinderResiduals::plain_column(const Rig& rig, const std::vecto
   for (const Stretch& stretch : stretches_) {
     look_for_stop(stop_);
     const SampledCourse course = course_of(rigs, gas[stretch.recording], stretch);
-    const double less = less_noise(rigs[stretch.recording], stretch);
     double* row = out.data() + stretch.first_row;
     for (std::size_t b = 0; b < stretch.bins.size(); ++b) {
       const Bin& bin = stretch.bins[b];
       double sum = 0;
       for (std::size_t k = bin.first; k < bin.first + bin.count; ++k)
         if (stretch.usable[k]) sum += course.simulated[k] - course.measured[k];
-      *row++ = sum / bin.values / std::sqrt(std::pow(rows_[stretch.first_row + b].sigma, 2) + less);
+      *row++ = sum / bin.values / rows_[stretch.first_row + b].sigma;
+    }
+    if (signals_[stretch.channel] == Signal::F) {
+      auto force =
+          out.segment(static_cast<Eigen::Index>(stretch.first_row), static_cast<Eigen::Index>(stretch.bins.size()));
+      force *= factor_for_noise(rigs[stretch.recording], stretch, {force.data(), stretch.bins.size()});
     }
     if (stretch.answer.rows() == 0) continue;
     std::vector<double> difference(course.simulated);

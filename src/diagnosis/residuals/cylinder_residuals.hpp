@@ -61,7 +61,10 @@ class CylinderResiduals final : public ResidualModel {
     std::vector<char> usable;  ///< samples that are compared
     std::vector<double> times_s;  ///< of the bins
     CommandAnswer answer;  ///< of a port; its rows follow the bins'
-    double position_noise = 0;  ///< of a force's bin on the owner's slider [N], within the sigma of its row
+    ReadingNoise reading_noise;  ///< of a force
+    double owner_noise_N = 0;  ///< what it makes of a force's bins, on the owner's slider
+    std::vector<double>
+        noise_share;  ///< of a force's bins: of the squared sigma, by reading errors and the owner's slider
   };
   struct SampledCourse {
     std::vector<double> measured, simulated;
@@ -77,11 +80,9 @@ class CylinderResiduals final : public ResidualModel {
   /// What the lines' ringing may make of the mean over `count` samples [unit of the channel].
   double largest_ringing(const PossibleRinging& ringing, std::size_t recording, std::size_t channel, std::size_t first,
                          std::size_t count) const;
-  double force_noise(std::size_t recording, std::size_t count) const;  ///< of the mean of `count` neighbouring values
-  /// By how much the squared noise of a row is another one than the owner's, not above 0: a load on a coupling would
-  /// gain by the noise that it does not follow. Noise that a rig enlarges does not excuse what is missing: it lies
-  /// elsewhere.
-  double less_noise(const Rig& rig, const Stretch& stretch) const;
+  /// Of the mean of `count` neighbouring forces, by the noise of the pressures [N].
+  double pressure_noise(std::size_t recording, std::size_t count) const;
+  double factor_for_noise(const Rig& rig, const Stretch& stretch, std::span<const double> residuals) const;
   SampledCourse course_of(const RecordedRigs& rigs, const SidedCourse& gas, const Stretch& stretch) const;
   SampledCourse force_course(const Rig& rig, const SidedCourse& gas, std::size_t recording) const;
   std::vector<double> chamber_pressure(const Rig& rig, const SidedCourse& gas, std::size_t recording,

@@ -117,17 +117,22 @@ DrivenAxisResiduals::DrivenAxisResiduals(const Rig& rig, const std::vector<Recor
   const double force_noise =
       std::hypot(channel.is_balance ? 0.0 : rig.sensors.force.rms_N(), noise_of_pressure(0), noise_of_pressure(1));
   const RecordedRigs rigs(rig, parts_);
-  const auto noise_of = [&](std::size_t part, std::size_t count) {
-    const ForceBalance& balance = parts_[part].balance;
-    return std::hypot(balance.force_noise(rigs[part], count), force_noise * balance.kernel().noise_gain(0, count));
-  };
-  channel.noise = noise_of(0, 1);
-  for (std::size_t p = 0; p < parts_.size(); ++p) parts_[p].position_noise_N = position_noise_N(parts_[p], rigs[p]);
+  const ForceBalance& balance = parts_.front().balance;
+  channel.noise = std::hypot(balance.force_noise(rigs[0], balance.reading_noise(1)),
+                             force_noise * balance.kernel().noise_gain(0, 1));
+  for (std::size_t p = 0; p < parts_.size(); ++p) {
+    Part& part = parts_[p];
+    part.reading_noise = part.balance.reading_noise(row_samples(part.interval_s));
+    part.owner_noise_N = reading_noise_N(part, rigs[p]);
+  }
   for (std::size_t i = 0; i < bins_.size(); ++i) {
-    const Part& part = parts_[bins_[i].part];
+    Part& part = parts_[bins_[i].part];
     const double bin_s = part.interval_s * static_cast<double>(bins_[i].count);
-    rows_[i].sigma = std::hypot(noise_of(bins_[i].part, bins_[i].count), jump_error_N(bins_[i]),
+    const double reading_N = part.owner_noise_N * part.reading_noise.share(bins_[i].first);
+    const double noise = std::hypot(reading_N, force_noise * part.balance.kernel().noise_gain(0, bins_[i].count));
+    rows_[i].sigma = std::hypot(noise, jump_error_N(bins_[i]),
                                 channel.floor * std::sqrt(std::max(1.0, floor_correlation_s / bin_s)));
+    part.noise_share.push_back(std::pow(reading_N / rows_[i].sigma, 2));
   }
 }
 
@@ -137,7 +142,7 @@ void DrivenAxisResiduals::add_recording(const Rig& rig, const Recording& recordi
   const EvenSamples even(time_s, interval_s);
   const std::vector<double> position = even.drawn(recording.column("x_m"));
   std::vector<double> force = even.straight(drive_force(rig, recording));
-  Part part{ForceBalance(position, interval_s, rig.sensors.position.rms_m()),
+  Part part{ForceBalance(position, interval_s, rig.sensors.resolution(Signal::x)),
             interval_s,
             {},
             {},
@@ -255,29 +260,29 @@ std::pair<std::vector<double>, std::vector<double>> DrivenAxisResiduals::forces(
 }
 
 /// Of a row, as the force's sensor reads it.
-double DrivenAxisResiduals::position_noise_N(const Part& part, const Rig& rig) const {
-  return rig.sensor_effects[Signal::F].sensor_gain.gain * part.balance.force_noise(rig, row_samples(part.interval_s));
+double DrivenAxisResiduals::reading_noise_N(const Part& part, const Rig& rig) const {
+  return rig.sensor_effects[Signal::F].sensor_gain.gain * part.balance.force_noise(rig, part.reading_noise);
 }
 
 Eigen::MatrixXd DrivenAxisResiduals::residuals(std::span<const Hypothesis> hypotheses) {
   Eigen::MatrixXd out(static_cast<Eigen::Index>(rows_.size()), static_cast<Eigen::Index>(hypotheses.size()));
   for (std::size_t h = 0; h < hypotheses.size(); ++h) {
     const RecordedRigs rigs(hypotheses[h].rig, parts_);
-    std::vector<std::pair<std::vector<double>, std::vector<double>>> sides;
-    sides.reserve(parts_.size());
-    std::vector<double> less;  // squared noise of a row that is not there by this rig, not above 0; by part
-    for (std::size_t p = 0; p < parts_.size(); ++p) {
-      sides.push_back(forces(parts_[p], rigs[p]));
-      less.push_back(
-          std::min(0.0, std::pow(position_noise_N(parts_[p], rigs[p]), 2) - std::pow(parts_[p].position_noise_N, 2)));
-    }
-    for (std::size_t b = 0; b < bins_.size(); ++b) {
-      const Bin& bin = bins_[b];
-      double sum = 0;
-      for (std::size_t i = bin.first; i < bin.first + bin.count; ++i)
-        sum += sides[bin.part].second[i] - sides[bin.part].first[i];
-      out(static_cast<Eigen::Index>(b), static_cast<Eigen::Index>(h)) =
-          sum / static_cast<double>(bin.count) / std::sqrt(std::pow(rows_[b].sigma, 2) + less[bin.part]);
+    double* column = out.col(static_cast<Eigen::Index>(h)).data();
+    for (std::size_t p = 0, b = 0; p < parts_.size(); ++p) {
+      const Part& part = parts_[p];
+      const auto [drive, needed] = forces(part, rigs[p]);
+      const std::span residuals(column + b, part.noise_share.size());
+      for (double& residual : residuals) {
+        const Bin& bin = bins_[b];
+        double sum = 0;
+        for (std::size_t i = bin.first; i < bin.first + bin.count; ++i) sum += needed[i] - drive[i];
+        residual = sum / static_cast<double>(bin.count) / rows_[b++].sigma;
+      }
+      if (part.owner_noise_N == 0) continue;
+      const double followed = std::pow(reading_noise_N(part, rigs[p]) / part.owner_noise_N, 2);
+      const double factor = factor_for_noise(residuals, part.noise_share, followed);
+      for (double& residual : residuals) residual *= factor;
     }
   }
   return out;

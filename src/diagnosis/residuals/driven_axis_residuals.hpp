@@ -37,14 +37,16 @@ class DrivenAxisResiduals : public ResidualModel {
     std::array<std::vector<double>, 2> pressure_Pa;  ///< of the chambers, smoothed; empty: no piston
     HeldOut held_out;
     MachineChanges changes;  ///< of the owner's rig while it was recorded
-    double position_noise_N = 0;  ///< of a row on the owner's slider, within its sigma
+    ReadingNoise reading_noise{};  ///< of a row
+    double owner_noise_N = 0;  ///< what it makes of a row, on the owner's slider
+    std::vector<double> noise_share{};  ///< of the rows' squared sigmas, by reading errors and the owner's slider
   };
   struct Bin {
     std::size_t part, first, count;
   };
   /// The drive force with its sensor's effects undone, and the force that the hypothesis needs.
   std::pair<std::vector<double>, std::vector<double>> forces(const Part& part, const Rig& rig) const;
-  double position_noise_N(const Part& part, const Rig& rig) const;
+  double reading_noise_N(const Part& part, const Rig& rig) const;
   void add_recording(const Rig& rig, const Recording& recording);
   void add_pressures(const Rig& rig, const Recording& recording, Part& part) const;
   double jump_error_N(const Bin& bin) const;

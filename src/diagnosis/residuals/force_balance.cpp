@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <complex>
+#include <limits>
 #include <numbers>
 #include <random>
 
@@ -19,6 +20,7 @@ namespace {
 
 constexpr double noisy_position_m = 20e-6;
 constexpr double end_stop_margin_m = 0.5e-3;
+constexpr std::uint32_t error_draws = 16;  ///< the rms of a row's reading errors is then known to a sixth
 constexpr double rounding_mps = 1e-9;  ///< of a position that stands
 
 double kernel_sigma(double noise_m, double shortest_s) {
@@ -111,26 +113,24 @@ class CarriedLoad {
   bool is_there_ = false, is_carried_ = false;
 };
 
-/// As many readings of an encoder that is off by up to half a step, the same ones every time; standard deviation 1.
-std::vector<double> reading_errors(std::size_t count) {
-  std::mt19937 generator(1);
-  std::uniform_real_distribution<double> within(-std::sqrt(3.0), std::sqrt(3.0));
-  std::vector<double> out(count);
-  std::generate(out.begin(), out.end(), [&] { return within(generator); });
-  return out;
-}
-
-/// Mean square of the means over `count` neighbours where every sample of them is marked.
-double mean_square_of_means(std::span<const double> values, std::span<const char> is_marked, std::size_t count) {
-  double square = 0, sum = 0, found = 0;
+/// Means over `count` neighbours from each sample on; NaN where one of them is not marked.
+std::vector<double> means_of(std::span<const double> values, std::span<const char> is_marked, std::size_t count) {
+  std::vector<double> out(values.size(), std::numeric_limits<double>::quiet_NaN());
+  double sum = 0;
   std::size_t marked = 0;
   for (std::size_t i = 0; i < values.size(); ++i) {
     sum += values[i], marked += is_marked[i] != 0;
     if (i >= count) sum -= values[i - count], marked -= is_marked[i - count] != 0;
-    if (marked == count) square += sum * sum, ++found;
+    if (marked == count) out[i + 1 - count] = sum / static_cast<double>(count);
   }
-  const auto of = static_cast<double>(count);
-  return found > 0 ? square / (found * of * of) : 0.0;
+  return out;
+}
+
+double mean_product(std::span<const double> a, std::span<const double> b) {
+  double sum = 0, count = 0;
+  for (std::size_t i = 0; i < a.size(); ++i)
+    if (std::isfinite(a[i])) sum += a[i] * b[i], ++count;
+  return count > 0 ? sum / count : 0.0;
 }
 
 /// A free swing a e^-bt cos wt + c e^-bt sin wt on `load_N` in these samples, where `error_N` is what it leaves
@@ -202,8 +202,10 @@ double undo(const SensorEffects<double>& sensor, double value, double next_deriv
 
 }  // namespace
 
-ForceBalance::ForceBalance(std::span<const double> position_m, double period_s, double noise_m, double least_periods)
-    : period_s_(period_s), noise_m_(noise_m), kernel_(kernel_sigma(noise_m, least_periods * period_s), period_s),
+ForceBalance::ForceBalance(std::span<const double> position_m, double period_s, const SensorResolution& resolution,
+                           double least_periods)
+    : period_s_(period_s), sensor_(resolution),
+      kernel_(kernel_sigma(resolution.rms(), least_periods * period_s), period_s),
       fast_kernel_(std::max(0.6 * kernel_.sigma_s(), 1.5 * period_s), period_s) {
   const std::vector<double> position = held_over_gaps(position_m);
   for (int order = 0; order < 4; ++order) derivative_[order] = kernel_.apply(position, order);
@@ -222,8 +224,8 @@ ForceBalance::ForceBalance(std::span<const double> position_m, double period_s, 
   for (std::size_t i = 0; i < usable_.size(); ++i)
     if (usable_[i]) top = std::max(top, std::abs(derivative_[1][i]));
   // Four standard deviations of white noise, and the whole of one step of an encoder whose noise is all steps.
-  const double noise_speed =
-      noise_m * std::max(4 * fast_kernel_.noise_gain(1, 1), std::sqrt(12.0) * fast_kernel_.largest_weight() / period_s);
+  const double noise_speed = sensor_.rms() * std::max(4 * fast_kernel_.noise_gain(1, 1),
+                                                      std::sqrt(12.0) * fast_kernel_.largest_weight() / period_s);
   const double rest_mps = std::max({0.005 * top, noise_speed, rounding_mps});
   edge_mps_ = slow_speeds(fast_[2], rest_mps, fast_kernel_.sigma_s(), period_s);
   direction_ = directions(fast_[1], edge_mps_);
@@ -238,22 +240,52 @@ ForceBalance::ForceBalance(std::span<const double> position_m, double period_s, 
   hold_out([](std::size_t) { return false; });
 }
 
-double ForceBalance::force_noise(const Rig& rig, std::size_t count) const {
+std::vector<double> ForceBalance::reading_errors(std::uint32_t draw) const {
+  // Smoothed twice: what one smoothing leaves of the steps would take part in the steps drawn along it.
+  const std::vector<double> motion_m = kernel_.apply(derivative_[0], 0);
+  std::mt19937 generator(draw + 1);
+  const double off_m = std::uniform_real_distribution<double>(0.0, sensor_.quantum)(generator);
+  std::normal_distribution<double> white;
+  std::vector<double> out(samples());
+  for (std::size_t i = 0; i < samples(); ++i) {
+    const double at_m = motion_m[i] + off_m, seen_m = at_m + sensor_.noise * white(generator);
+    out[i] = (sensor_.quantum > 0 ? sensor_.quantum * std::round(seen_m / sensor_.quantum) : seen_m) - at_m;
+  }
+  return out;
+}
+
+ReadingNoise ForceBalance::reading_noise(std::size_t count) const {
+  ReadingNoise out{count, 0, 0, 0, std::vector<double>(samples(), 0.0)};
+  if (sensor_.rms() == 0) return out;
+  for (std::uint32_t draw = 0; draw < error_draws; ++draw) {
+    const std::vector<double> error = reading_errors(draw);
+    const std::vector<double> acceleration = means_of(kernel_.apply(error, 2), usable_, count),
+                              jerk = means_of(kernel_.apply(error, 3), usable_, count);
+    out.acceleration2 += mean_product(acceleration, acceleration) / error_draws;
+    out.product += mean_product(acceleration, jerk) / error_draws;
+    out.jerk2 += mean_product(jerk, jerk) / error_draws;
+    for (std::size_t i = 0; i < samples(); ++i)
+      if (std::isfinite(acceleration[i])) out.acceleration[i] += acceleration[i] * acceleration[i] / error_draws;
+  }
+  for (double& value : out.acceleration) value = std::sqrt(value);
+  return out;
+}
+
+double ForceBalance::force_noise(const Rig& rig, const ReadingNoise& noise) const {
   const SensorEffects<double>& sensor = rig.sensor_effects[Signal::x];
-  const double rigid_kg = rig.axis.slider.mass_kg + rig.axis.slider.payload_kg;
-  const double rigid_N =
-      noise_m_ / sensor.sensor_gain.gain * rigid_kg *
-      std::hypot(kernel_.noise_gain(2, count), sensor.sensor_lag.time_constant_s * kernel_.noise_gain(3, count));
+  const double rigid_kg = rig.axis.slider.mass_kg + rig.axis.slider.payload_kg,
+               tau_s = sensor.sensor_lag.time_constant_s;
+  const double rigid_N = rigid_kg / sensor.sensor_gain.gain *
+                         std::sqrt(noise.acceleration2 + 2 * tau_s * noise.product + tau_s * tau_s * noise.jerk2);
   const MotionEffects<double>& effects = rig.axis.effects.motion;
-  if (noise_m_ == 0 || (effects.elastic_load.mass_kg == 0 && effects.load_backlash.mass_kg == 0)) return rigid_N;
-  return rigid_N * coupled_noise_share(rig, count);
+  if (rigid_N == 0 || (effects.elastic_load.mass_kg == 0 && effects.load_backlash.mass_kg == 0)) return rigid_N;
+  return rigid_N * coupled_noise_share(rig, noise.count);
 }
 
 double ForceBalance::coupled_noise_share(const Rig& rig, std::size_t count) const {
   const SensorEffects<double>& sensor = rig.sensor_effects[Signal::x];
   const MotionEffects<double>& effects = rig.axis.effects.motion;
-  std::vector<double> error = reading_errors(samples());
-  for (double& e : error) e *= noise_m_;
+  const std::vector<double> error = reading_errors(0);
   std::array<std::vector<double>, 4> off;
   for (int order = 0; order < 4; ++order) off[static_cast<std::size_t>(order)] = kernel_.apply(error, order);
   std::array<std::vector<double>, 3> fast_off;
@@ -278,8 +310,10 @@ double ForceBalance::coupled_noise_share(const Rig& rig, std::size_t count) cons
   }
   blow_N = kernel_.apply(blow_N, 0);
   for (std::size_t i = 0; i < samples(); ++i) force_N[i] -= blow_N[i];
-  const double all = mean_square_of_means(rigid_N, usable_, count);
-  return all > 0 ? std::sqrt(mean_square_of_means(force_N, usable_, count) / all) : 1.0;
+  rigid_N = means_of(rigid_N, usable_, count);
+  force_N = means_of(force_N, usable_, count);
+  const double all = mean_product(rigid_N, rigid_N);
+  return all > 0 ? std::sqrt(mean_product(force_N, force_N) / all) : 1.0;
 }
 
 std::vector<char> ForceBalance::near_end_stop(double stroke_m) const {
@@ -379,6 +413,13 @@ std::vector<double> ForceBalance::required_beside(const Rig& rig, std::span<cons
     needed[i] = std::clamp(drive_N[i], from - held, from + std::max(more[i], 0.0) + held);
   }
   return needed;
+}
+
+double factor_for_noise(std::span<const double> residuals, std::span<const double> noise_share, double followed) {
+  double squares = 0, noise = 0;
+  for (const double residual : residuals) squares += residual * residual;
+  for (const double share : noise_share) noise += share * std::max(0.0, 1 - followed);
+  return squares > 0 ? std::sqrt(1 + noise / squares) : 1.0;
 }
 
 }  // namespace pneuservo

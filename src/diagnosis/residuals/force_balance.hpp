@@ -1,5 +1,7 @@
 // Force that a supposed slider needs for a recorded motion: m a + B v + friction + load, all smoothed alike.
 #pragma once
+#include <cmath>
+#include <cstdint>
 #include <functional>
 #include <span>
 #include <vector>
@@ -15,14 +17,26 @@ inline constexpr double rest_noises = 2.0;
 /// Of a kernel's sigma, in sampling periods: a force that jumps between rows is spread over it.
 inline constexpr double spreading_periods = 2.5;
 
+/// What the position's reading errors are in the means of neighbouring accelerations, of a rigid slider of 1 kg.
+struct ReadingNoise {
+  std::size_t count = 1;  ///< neighbouring values
+  /// Mean squares over the recording: of the acceleration's errors, of their product with the jerk's, of the jerk's.
+  double acceleration2 = 0, product = 0, jerk2 = 0;
+  std::vector<double> acceleration;  ///< rms of the mean from each sample on [m/s2]
+  /// That of the mean from a sample on, over the usual one.
+  double share(std::size_t first) const {
+    return acceleration2 > 0 ? acceleration[first] / std::sqrt(acceleration2) : 0.0;
+  }
+};
+
 /// The motion of one recording. Nothing is simulated: position is differentiated by symmetric Gaussian kernels, and the
 /// drive force is smoothed by the same kernel, so that both sides of m dv/dt = F - B v - F_friction - F_load are seen
 /// through one window (the weak form of the balance, with the Gaussian as test function).
 class ForceBalance {
  public:
-  /// position_m: measured, evenly sampled; NaN where there is none. noise_m: standard deviation of one sample, quantum
-  /// included. Sigma is 5 ms (8 ms above 20 um of noise), at least `least_periods`.
-  ForceBalance(std::span<const double> position_m, double period_s, double noise_m,
+  /// position_m: measured, evenly sampled; NaN where there is none. Sigma is 5 ms (8 ms above 20 um of noise, quantum
+  /// included), at least `least_periods`.
+  ForceBalance(std::span<const double> position_m, double period_s, const SensorResolution& sensor,
                double least_periods = spreading_periods);
 
   std::size_t samples() const { return usable_.size(); }
@@ -33,9 +47,12 @@ class ForceBalance {
   const std::vector<double>& velocity_mps() const { return derivative_[1]; }
   /// The balance's kernel: smooth the drive force with apply(force, 0).
   const GaussianKernel& kernel() const { return kernel_; }
-  /// Standard deviation that the position noise alone gives the mean of `count` neighbouring values of the force that
-  /// this rig's slider needs [N]. A load on a coupling does not follow the noise, and a lagging sensor enlarges it.
-  double force_noise(const Rig& rig, std::size_t count) const;
+  /// Errors of readings along this motion: an encoder's steps are white noise where it passes many of them in a
+  /// kernel's sigma, a slow wave in slow motion, and none at rest.
+  ReadingNoise reading_noise(std::size_t count) const;
+  /// Standard deviation that the position's reading errors alone give such means of the force that this rig's slider
+  /// needs [N]. A load on a coupling does not follow them, and a lagging sensor enlarges them.
+  double force_noise(const Rig& rig, const ReadingNoise& noise) const;
 
   /// Samples that no fit sees: the swing in which a load on a soft coupling begins a stretch is not found from them.
   void hold_out(const std::function<bool(std::size_t)>& is_held_out);
@@ -54,6 +71,7 @@ class ForceBalance {
  private:
   /// Of force_noise: with the rig's coupled loads over that of a rigid slider.
   double coupled_noise_share(const Rig& rig, std::size_t count) const;
+  std::vector<double> reading_errors(std::uint32_t draw) const;  ///< [m], the same ones every time
   /// Root mean square over [first, end) [m/s].
   double usual_speed(std::size_t first, std::size_t end) const;
   /// Beside an elastic load that pulls with load_N.
@@ -61,7 +79,8 @@ class ForceBalance {
                                       std::span<const double> gauge_pressure_sum_Pa, double held_N,
                                       std::span<const double> load_N) const;
 
-  double period_s_, noise_m_;
+  double period_s_;
+  SensorResolution sensor_;
   GaussianKernel kernel_, fast_kernel_;
   std::vector<double> derivative_[4];  ///< position and its derivatives, smoothed
   std::vector<double> fast_[3];  ///< the same with the shorter kernel of friction
@@ -77,5 +96,11 @@ class ForceBalance {
   std::vector<double> edge_mps_;
   std::vector<double> turn_share_;  ///< of the kernel's weight around each sample, where the motion may stand or turn
 };
+
+/// Factor on residuals, in sigmas, of a slider that follows only a part of the reading errors: their squares grow by
+/// the noise that is not there, so that a load which swallows it has nothing from that, and keeps what it explains.
+/// noise_share: of each residual's squared sigma, by the owner's slider. followed: of the squared noise, by this rig's;
+/// above 1 it excuses nothing, for what is missing lies elsewhere.
+double factor_for_noise(std::span<const double> residuals, std::span<const double> noise_share, double followed);
 
 }  // namespace pneuservo

@@ -248,9 +248,7 @@ void CylinderResiduals::declare_rows() {
       const std::vector<double>& command = recording.inputs.command_of(side_of(signal));
       if (!force && recording.measured[signal].empty()) continue;
       Stretch stretch{r, c, rows_.size(), {}, recording.usable, {}, {}, {}, 0, {}};
-      if (force) stretch.reading_noise = balances_[r].reading_noise(bin);
-      if (force)
-        stretch.owner_noise_N = balances_[r].force_noise(RecordedRigs(owner_, recordings_)[r], stretch.reading_noise);
+      if (force) take_reading_noise(stretch, bin);
       const std::vector<char> stops = balances_[r].near_end_stop(owner_.axis.cylinder.stroke_m);
       const std::vector<char> known = recording.usable;
       for (std::size_t k = 0; k < recording.samples(); ++k)
@@ -271,16 +269,13 @@ void CylinderResiduals::declare_rows() {
         ResidualRow row{static_cast<int>(c), static_cast<int>(r)};
         row.time_s = recording.time_s(first) + 0.5 * (bin_s - recording.period_s());
         add_means(row, recording.inputs, command, first, bin);
-        const double reading_N = force ? stretch.owner_noise_N * stretch.reading_noise.share(first) : 0.0;
-        const double noise =
-            force ? std::hypot(reading_N, pressure_noise(r, bin)) : channels_[c].noise / std::sqrt(values);
-        const double since_s = recording.period_s() * static_cast<double>(first) - first_compared_s;
-        const double start = start_Pa * std::exp(-since_s / start_fades_s);
+        const double since_s = recording.period_s() * static_cast<double>(first) - first_compared_s,
+                     start = start_Pa * std::exp(-since_s / start_fades_s);
         const double between = gap[c].empty() ? 0.0 : gap[c][first + bin / 2];
-        row.sigma =
-            std::hypot(noise, std::hypot(channels_[c].floor, start, between) * std::sqrt(floor_correlation_s / bin_s));
+        row.sigma = std::hypot(noise_of(stretch, stretch.bins.back()),
+                               std::hypot(channels_[c].floor, start, between) * std::sqrt(floor_correlation_s / bin_s));
         row.sigma = std::hypot(row.sigma, largest_ringing(ringing[r], r, c, first, bin));
-        if (force) stretch.noise_share.push_back(std::pow(reading_N / row.sigma, 2));
+        if (force) stretch.noise_share.push_back(std::pow(stretch.reading_noise_N(first) / row.sigma, 2));
         row.held_out = recording.held_out(recording.time_s(first));
         stretch.times_s.push_back(row.time_s);
         rows_.push_back(row);
@@ -415,6 +410,18 @@ CylinderResiduals::SampledCourse CylinderResiduals::course_of(const RecordedRigs
   if (signal == Signal::F) return force_course(rig, gas, stretch.recording);
   const CylinderRecording& data = recordings_[stretch.recording];
   return {data.measured[signal], readings(rig.sensor_effects[signal], gas[signal], data.period_s())};
+}
+
+void CylinderResiduals::take_reading_noise(Stretch& stretch, std::size_t count) const {
+  const ForceBalance& balance = balances_[stretch.recording];
+  stretch.reading_noise = balance.reading_noise(count);
+  stretch.owner_noise_N =
+      balance.force_noise(RecordedRigs(owner_, recordings_)[stretch.recording], stretch.reading_noise);
+}
+
+double CylinderResiduals::noise_of(const Stretch& stretch, const Bin& bin) const {
+  if (signals_[stretch.channel] != Signal::F) return channels_[stretch.channel].noise / std::sqrt(bin.values);
+  return std::hypot(stretch.reading_noise_N(bin.first), pressure_noise(stretch.recording, bin.count));
 }
 
 double CylinderResiduals::factor_for_noise(const Rig& rig, const Stretch& stretch,

@@ -65,6 +65,7 @@ class CylinderResiduals final : public ResidualModel {
     double owner_noise_N = 0;  ///< what it makes of a force's bins, on the owner's slider
     std::vector<double>
         noise_share;  ///< of a force's bins: of the squared sigma, by reading errors and the owner's slider
+    double reading_noise_N(std::size_t first) const { return owner_noise_N * reading_noise.share(first); }
   };
   struct SampledCourse {
     std::vector<double> measured, simulated;
@@ -82,6 +83,8 @@ class CylinderResiduals final : public ResidualModel {
                          std::size_t count) const;
   /// Of the mean of `count` neighbouring forces, by the noise of the pressures [N].
   double pressure_noise(std::size_t recording, std::size_t count) const;
+  void take_reading_noise(Stretch& stretch, std::size_t count) const;
+  double noise_of(const Stretch& stretch, const Bin& bin) const;  ///< of a row, by its sensors [unit of the channel]
   double factor_for_noise(const Rig& rig, const Stretch& stretch, std::span<const double> residuals) const;
   SampledCourse course_of(const RecordedRigs& rigs, const SidedCourse& gas, const Stretch& stretch) const;
   SampledCourse force_course(const Rig& rig, const SidedCourse& gas, std::size_t recording) const;

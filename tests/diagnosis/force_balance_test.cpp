@@ -1,6 +1,7 @@
 // The force balance against sliders whose drive force is known exactly, and its kernels against polynomials.
 #include <catch2/catch.hpp>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <functional>
@@ -345,13 +346,21 @@ TEST_CASE("an encoder's steps are noise in fast motion, a wave in slow motion an
 
 TEST_CASE("a load that swallows the encoder's noise gains nothing by it, and keeps what it explains") {
   const std::vector<double> share(100, 0.4);  // of the squared sigma
+  std::vector<ResidualRow> rows(100);
   const auto squares = [&](double residual, double followed) {
     const std::vector<double> all(100, residual);
-    return 100 * std::pow(residual * factor_for_noise(all, share, followed), 2);
+    return 100 * std::pow(residual * factor_for_noise(all, rows, share, followed), 2);
   };
   const double noise = std::sqrt(0.4);
   CHECK(squares(noise, 1.0) == Approx(40));
   CHECK(squares(0.5 * noise, 0.25) == Approx(40));
   CHECK(squares(3.0, 1.0) - squares(2.0, 0.25) == Approx(500 - 30));
   CHECK(squares(noise, 4.0) == Approx(40));  // more noise excuses nothing
+  // What no fit sees decides nothing.
+  for (std::size_t i = 50; i < rows.size(); ++i) rows[i].held_out = true;
+  std::vector<double> all(100, 0.5 * noise);
+  const double factor = factor_for_noise(all, rows, share, 0.25);
+  std::fill(all.begin() + 50, all.end(), 30.0);
+  CHECK(factor_for_noise(all, rows, share, 0.25) == factor);
+  CHECK(std::pow(factor, 2) == Approx(4));
 }

@@ -27,7 +27,7 @@ struct LatentRanking {
 LatentRanking rank_latents(FittedRows& rows, const Explanation& explanation, double enough,
                            const std::vector<std::string>& left_out);
 /// The same where the parameters stand beside the best function: what is missing had bent them. The functions' answers
-/// are those of before, for a tolerance moves them by no more.
+/// are those of before: tolerances move them little.
 LatentRanking ranked_again(FittedRows& rows, LatentRanking ranking);
 
 }  // namespace pneuservo

@@ -33,8 +33,6 @@ constexpr double least_sigma_periods = 1.5;
 constexpr double answer_share = 0.1, slowest_answer_s = 2e-3;
 // A line of 7.65 mm at rest keeps ringing with what went before the recording, and forgets it in 1.2 s (1/e).
 constexpr double answer_from_s = 1.5;
-// At rest a force within this many noises is balanced by whatever holds: otherwise every friction, however small, would
-// gain the noise of all rows at rest.
 constexpr double noise_margin = 1.15;  // a recording this much noisier than its config is believed
 
 // Memories that a slow error may have. Faults of flow add up in the gas and stay; a force is at once what it is, and
@@ -125,13 +123,13 @@ double hidden_Pa(const Rig& owner, const CylinderRecording& recording, const Sid
   const CylinderParameters<double>& cylinder = owner.axis.cylinder;
   const double area_m2 = side == 0 ? cylinder.area_1_m2 : cylinder.area_2_m2,
                dead_m3 = side == 0 ? cylinder.dead_volume_1_m3 : cylinder.dead_volume_2_m3,
-               towards = side == 0 ? 1.0 : -1.0, off_m = owner.sensors.position.rms_m();
+               towards = side == 0 ? 1.0 : -1.0, off_m = owner.sensors.position.quantum_m / std::sqrt(12.0);
   const std::vector<double>& chamber_Pa = course[chamber_signals[side]];
   double squares = 0;
   for (std::size_t k = 0; k < chamber_Pa.size(); ++k) {
     const double way_m = std::max(0.0, 0.5 * cylinder.stroke_m + towards * recording.inputs.position_m[k]);
     const double off_Pa = owner.axis.air.heat_capacity_ratio * chamber_Pa[k] * area_m2 * off_m /
-                          std::max(dead_m3 + area_m2 * way_m, area_m2 * off_m);
+                          std::max(dead_m3 + area_m2 * way_m, 1e-12);
     squares += off_Pa * off_Pa;
   }
   return std::sqrt(squares / static_cast<double>(chamber_Pa.size()));
@@ -206,9 +204,11 @@ void CylinderResiduals::declare_channels() {
         chambers && !recording.measured[Signal::p1_chamber].empty() && !recording.measured[Signal::p2_chamber].empty();
   const double supply_Pa = owner_.axis.supply.pressure_Pa - owner_.axis.air.atmosphere_Pa;
   const double share = supply_Pa > 0 ? std::min(1.0, supply_Pa / floor_supply_Pa) : 1.0;
-  const ForceBalance& balance = balances_.front();
-  const double noise = std::hypot(pressure_noise(0, 1),
-                                  balance.force_noise(RecordedRigs(owner_, recordings_)[0], balance.reading_noise(1)));
+  const RecordedRigs rigs(owner_, recordings_);
+  double noise = 0;
+  for (std::size_t r = 0; r < recordings_.size(); ++r)
+    noise = std::max(
+        noise, std::hypot(pressure_noise(r, 1), balances_[r].force_noise(rigs[r], balances_[r].reading_noise(1))));
   channels_.push_back({"F", "N", noise, share * (chambers ? force_floor_N : force_floor_ports_N)});
   signals_.push_back(Signal::F);
 }
@@ -428,7 +428,8 @@ double CylinderResiduals::factor_for_noise(const Rig& rig, const Stretch& stretc
                                            std::span<const double> residuals) const {
   if (stretch.owner_noise_N == 0) return 1.0;
   const double noise_N = balances_[stretch.recording].force_noise(rig, stretch.reading_noise);
-  return pneuservo::factor_for_noise(residuals, stretch.noise_share, std::pow(noise_N / stretch.owner_noise_N, 2));
+  return pneuservo::factor_for_noise(residuals, std::span(rows_).subspan(stretch.first_row, residuals.size()),
+                                     stretch.noise_share, std::pow(noise_N / stretch.owner_noise_N, 2));
 }
 
 Eigen::VectorXd CylinderResiduals::plain_column(const Rig& rig, const std::vector<SidedCourse>& gas) const {

@@ -117,11 +117,10 @@ DrivenAxisResiduals::DrivenAxisResiduals(const Rig& rig, const std::vector<Recor
   const double force_noise =
       std::hypot(channel.is_balance ? 0.0 : rig.sensors.force.rms_N(), noise_of_pressure(0), noise_of_pressure(1));
   const RecordedRigs rigs(rig, parts_);
-  const ForceBalance& balance = parts_.front().balance;
-  channel.noise = std::hypot(balance.force_noise(rigs[0], balance.reading_noise(1)),
-                             force_noise * balance.kernel().noise_gain(0, 1));
   for (std::size_t p = 0; p < parts_.size(); ++p) {
     Part& part = parts_[p];
+    channel.noise = std::max(channel.noise, std::hypot(part.balance.force_noise(rigs[p], part.balance.reading_noise(1)),
+                                                       force_noise * part.balance.kernel().noise_gain(0, 1)));
     part.reading_noise = part.balance.reading_noise(row_samples(part.interval_s));
     part.owner_noise_N = reading_noise_N(part, rigs[p]);
   }
@@ -281,7 +280,8 @@ Eigen::MatrixXd DrivenAxisResiduals::residuals(std::span<const Hypothesis> hypot
       }
       if (part.owner_noise_N == 0) continue;
       const double followed = std::pow(reading_noise_N(part, rigs[p]) / part.owner_noise_N, 2);
-      const double factor = factor_for_noise(residuals, part.noise_share, followed);
+      const std::span rows = std::span(rows_).subspan(b - residuals.size(), residuals.size());
+      const double factor = factor_for_noise(residuals, rows, part.noise_share, followed);
       for (double& residual : residuals) residual *= factor;
     }
   }

@@ -7,10 +7,10 @@
 #include <complex>
 #include <limits>
 #include <numbers>
-#include <random>
 
 #include <Eigen/Cholesky>
 
+#include <pneuservo/core/random.hpp>
 #include <pneuservo/elements/coupled_load.hpp>
 #include <pneuservo/elements/slider.hpp>
 
@@ -20,7 +20,7 @@ namespace {
 
 constexpr double noisy_position_m = 20e-6;
 constexpr double end_stop_margin_m = 0.5e-3;
-constexpr std::uint32_t error_draws = 16;  ///< the rms of a row's reading errors is then known to a sixth
+constexpr std::uint32_t error_draws = 16;  ///< the rms of one row's reading errors is then known to a sixth
 constexpr double rounding_mps = 1e-9;  ///< of a position that stands
 
 double kernel_sigma(double noise_m, double shortest_s) {
@@ -240,34 +240,34 @@ ForceBalance::ForceBalance(std::span<const double> position_m, double period_s, 
   hold_out([](std::size_t) { return false; });
 }
 
-std::vector<double> ForceBalance::reading_errors(std::uint32_t draw) const {
-  // Smoothed twice: what one smoothing leaves of the steps would take part in the steps drawn along it.
-  const std::vector<double> motion_m = kernel_.apply(derivative_[0], 0);
-  std::mt19937 generator(draw + 1);
-  const double off_m = std::uniform_real_distribution<double>(0.0, sensor_.quantum)(generator);
-  std::normal_distribution<double> white;
+std::vector<double> ForceBalance::reading_errors(std::span<const double> motion_m, std::uint32_t draw) const {
+  Random random(1, draw);
+  const double off_m = random.uniform(0.0, sensor_.quantum);
   std::vector<double> out(samples());
   for (std::size_t i = 0; i < samples(); ++i) {
-    const double at_m = motion_m[i] + off_m, seen_m = at_m + sensor_.noise * white(generator);
+    const double at_m = motion_m[i] + off_m, seen_m = at_m + sensor_.noise * random.normal();
     out[i] = (sensor_.quantum > 0 ? sensor_.quantum * std::round(seen_m / sensor_.quantum) : seen_m) - at_m;
   }
   return out;
 }
 
 ReadingNoise ForceBalance::reading_noise(std::size_t count) const {
-  ReadingNoise out{count, 0, 0, 0, std::vector<double>(samples(), 0.0)};
-  if (sensor_.rms() == 0) return out;
-  for (std::uint32_t draw = 0; draw < error_draws; ++draw) {
-    const std::vector<double> error = reading_errors(draw);
+  ReadingNoise out{count, 0, 0, 0, {}};
+  std::vector<double> squares(samples(), 0.0);
+  const std::vector<double> motion_m = without_steps();
+  for (std::uint32_t draw = 0; draw < error_draws && sensor_.rms() > 0; ++draw) {
+    const std::vector<double> error = reading_errors(motion_m, draw);
     const std::vector<double> acceleration = means_of(kernel_.apply(error, 2), usable_, count),
                               jerk = means_of(kernel_.apply(error, 3), usable_, count);
     out.acceleration2 += mean_product(acceleration, acceleration) / error_draws;
     out.product += mean_product(acceleration, jerk) / error_draws;
     out.jerk2 += mean_product(jerk, jerk) / error_draws;
     for (std::size_t i = 0; i < samples(); ++i)
-      if (std::isfinite(acceleration[i])) out.acceleration[i] += acceleration[i] * acceleration[i] / error_draws;
+      if (std::isfinite(acceleration[i])) squares[i] += acceleration[i] * acceleration[i] / error_draws;
   }
-  for (double& value : out.acceleration) value = std::sqrt(value);
+  // Neighbours within the kernel have the same noise: their mean is known better than that of one row's draws.
+  out.acceleration = kernel_.apply(squares, 0);
+  for (double& value : out.acceleration) value = std::sqrt(std::max(value, 0.0));
   return out;
 }
 
@@ -285,7 +285,7 @@ double ForceBalance::force_noise(const Rig& rig, const ReadingNoise& noise) cons
 double ForceBalance::coupled_noise_share(const Rig& rig, std::size_t count) const {
   const SensorEffects<double>& sensor = rig.sensor_effects[Signal::x];
   const MotionEffects<double>& effects = rig.axis.effects.motion;
-  const std::vector<double> error = reading_errors(0);
+  const std::vector<double> error = reading_errors(without_steps(), 0);
   std::array<std::vector<double>, 4> off;
   for (int order = 0; order < 4; ++order) off[static_cast<std::size_t>(order)] = kernel_.apply(error, order);
   std::array<std::vector<double>, 3> fast_off;
@@ -415,10 +415,16 @@ std::vector<double> ForceBalance::required_beside(const Rig& rig, std::span<cons
   return needed;
 }
 
-double factor_for_noise(std::span<const double> residuals, std::span<const double> noise_share, double followed) {
+double factor_for_noise(std::span<const double> residuals, std::span<const ResidualRow> rows,
+                        std::span<const double> noise_share, double followed) {
+  const bool none_is_fitted =
+      std::all_of(rows.begin(), rows.end(), [](const ResidualRow& row) { return row.held_out; });
   double squares = 0, noise = 0;
-  for (const double residual : residuals) squares += residual * residual;
-  for (const double share : noise_share) noise += share * std::max(0.0, 1 - followed);
+  for (std::size_t i = 0; i < residuals.size(); ++i) {
+    if (rows[i].held_out && !none_is_fitted) continue;
+    squares += residuals[i] * residuals[i];
+    noise += noise_share[i] * std::max(0.0, 1 - followed);
+  }
   return squares > 0 ? std::sqrt(1 + noise / squares) : 1.0;
 }
 

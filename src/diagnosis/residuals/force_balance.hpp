@@ -9,6 +9,7 @@
 #include <pneuservo/rig/rig.hpp>
 
 #include "diagnosis/residuals/gaussian_kernel.hpp"
+#include "diagnosis/residuals/residual_model.hpp"
 
 namespace pneuservo {
 
@@ -36,7 +37,7 @@ class ForceBalance {
  public:
   /// position_m: measured, evenly sampled; NaN where there is none. Sigma is 5 ms (8 ms above 20 um of noise, quantum
   /// included), at least `least_periods`.
-  ForceBalance(std::span<const double> position_m, double period_s, const SensorResolution& sensor,
+  ForceBalance(std::span<const double> position_m, double period_s, const SensorResolution& resolution,
                double least_periods = spreading_periods);
 
   std::size_t samples() const { return usable_.size(); }
@@ -71,7 +72,10 @@ class ForceBalance {
  private:
   /// Of force_noise: with the rig's coupled loads over that of a rigid slider.
   double coupled_noise_share(const Rig& rig, std::size_t count) const;
-  std::vector<double> reading_errors(std::uint32_t draw) const;  ///< [m], the same ones every time
+  /// Along a motion [m], the same ones every time.
+  std::vector<double> reading_errors(std::span<const double> motion_m, std::uint32_t draw) const;
+  /// The motion without what smoothing once leaves of the steps, which would take part in steps drawn along it.
+  std::vector<double> without_steps() const { return kernel_.apply(derivative_[0], 0); }
   /// Root mean square over [first, end) [m/s].
   double usual_speed(std::size_t first, std::size_t end) const;
   /// Beside an elastic load that pulls with load_N.
@@ -100,7 +104,8 @@ class ForceBalance {
 /// Factor on residuals, in sigmas, of a slider that follows only a part of the reading errors: their squares grow by
 /// the noise that is not there, so that a load which swallows it has nothing from that, and keeps what it explains.
 /// noise_share: of each residual's squared sigma, by the owner's slider. followed: of the squared noise, by this rig's;
-/// above 1 it excuses nothing, for what is missing lies elsewhere.
-double factor_for_noise(std::span<const double> residuals, std::span<const double> noise_share, double followed);
+/// above 1 it excuses nothing, for what is missing lies elsewhere. Rows that are held out scale with the others.
+double factor_for_noise(std::span<const double> residuals, std::span<const ResidualRow> rows,
+                        std::span<const double> noise_share, double followed);
 
 }  // namespace pneuservo

@@ -9,6 +9,7 @@
 #include <stdexcept>
 
 #include "diagnosis/recordings/held_out.hpp"
+#include "record/column_values.hpp"
 
 namespace pneuservo {
 
@@ -30,23 +31,20 @@ std::vector<double> rms_of_rows(const ResidualModel& model, const Eigen::VectorX
   return out;
 }
 
-/// What the mean of a row holds of noise and floor. A sigma weighs rows: its floor is raised by how long that stays the
-/// same, and by what is unknown of a recording's start.
+/// What the mean of a usual row holds of noise and floor. A sigma weighs rows: its floor is raised by how long that
+/// stays the same.
 double floor_of_rows(const ResidualModel& model, std::size_t channel) {
-  double sigma = std::numeric_limits<double>::infinity();
-  std::vector<double> steps_s;
+  std::vector<double> steps_s, sigmas;
   const ResidualRow* before = nullptr;
   for (const ResidualRow& row : model.rows()) {
     if (row.over_recording || row.channel != static_cast<int>(channel)) continue;
-    sigma = std::min(sigma, row.sigma);
+    sigmas.push_back(row.sigma);
     if (before != nullptr && before->recording == row.recording) steps_s.push_back(row.time_s - before->time_s);
     before = &row;
   }
   const double floor = model.channels()[channel].floor;
   if (steps_s.empty()) return std::hypot(model.channels()[channel].noise, floor);
-  const auto half = steps_s.begin() + static_cast<std::ptrdiff_t>(steps_s.size() / 2);
-  std::nth_element(steps_s.begin(), half, steps_s.end());
-  const double raised = std::max(1.0, floor_correlation_s / *half);
+  const double raised = std::max(1.0, floor_correlation_s / median_of(steps_s)), sigma = median_of(sigmas);
   return std::sqrt(std::max(sigma * sigma - floor * floor * (raised - 1), floor * floor));
 }
 

@@ -345,11 +345,13 @@ TEST_CASE("an encoder's steps are noise in fast motion, a wave in slow motion an
 }
 
 TEST_CASE("a load that swallows the encoder's noise gains nothing by it, and keeps what it explains") {
-  const std::vector<double> share(100, 0.4);  // of the squared sigma
+  ReadingNoise of_owner;
+  of_owner.owner_N = 1;
+  of_owner.row_share.assign(100, 0.4);
   std::vector<ResidualRow> rows(100);
   const auto squares = [&](double residual, double followed) {
     const std::vector<double> all(100, residual);
-    return 100 * std::pow(residual * factor_for_noise(all, rows, share, followed), 2);
+    return 100 * std::pow(residual * of_owner.factor(all, rows, std::sqrt(followed)), 2);
   };
   const double noise = std::sqrt(0.4);
   CHECK(squares(noise, 1.0) == Approx(40));
@@ -359,8 +361,8 @@ TEST_CASE("a load that swallows the encoder's noise gains nothing by it, and kee
   // What no fit sees decides nothing.
   for (std::size_t i = 50; i < rows.size(); ++i) rows[i].held_out = true;
   std::vector<double> all(100, 0.5 * noise);
-  const double factor = factor_for_noise(all, rows, share, 0.25);
+  const double factor = of_owner.factor(all, rows, 0.5);
   std::fill(all.begin() + 50, all.end(), 30.0);
-  CHECK(factor_for_noise(all, rows, share, 0.25) == factor);
+  CHECK(of_owner.factor(all, rows, 0.5) == factor);
   CHECK(std::pow(factor, 2) == Approx(4));
 }

@@ -128,8 +128,8 @@ double hidden_Pa(const Rig& owner, const CylinderRecording& recording, const Sid
   double squares = 0;
   for (std::size_t k = 0; k < chamber_Pa.size(); ++k) {
     const double way_m = std::max(0.0, 0.5 * cylinder.stroke_m + towards * recording.inputs.position_m[k]);
-    const double off_Pa = owner.axis.air.heat_capacity_ratio * chamber_Pa[k] * area_m2 * off_m /
-                          std::max(dead_m3 + area_m2 * way_m, 1e-12);
+    const double off_Pa =
+        owner.axis.air.heat_capacity_ratio * chamber_Pa[k] * area_m2 * off_m / (dead_m3 + area_m2 * way_m);
     squares += off_Pa * off_Pa;
   }
   return std::sqrt(squares / static_cast<double>(chamber_Pa.size()));
@@ -247,7 +247,7 @@ void CylinderResiduals::declare_rows() {
       const bool force = signal == Signal::F;
       const std::vector<double>& command = recording.inputs.command_of(side_of(signal));
       if (!force && recording.measured[signal].empty()) continue;
-      Stretch stretch{r, c, rows_.size(), {}, recording.usable, {}, {}, {}, 0, {}};
+      Stretch stretch{r, c, rows_.size(), {}, recording.usable, {}, {}, {}};
       if (force) take_reading_noise(stretch, bin);
       const std::vector<char> stops = balances_[r].near_end_stop(owner_.axis.cylinder.stroke_m);
       const std::vector<char> known = recording.usable;
@@ -275,7 +275,7 @@ void CylinderResiduals::declare_rows() {
         row.sigma = std::hypot(noise_of(stretch, stretch.bins.back()),
                                std::hypot(channels_[c].floor, start, between) * std::sqrt(floor_correlation_s / bin_s));
         row.sigma = std::hypot(row.sigma, largest_ringing(ringing[r], r, c, first, bin));
-        if (force) stretch.noise_share.push_back(std::pow(stretch.reading_noise_N(first) / row.sigma, 2));
+        if (force) stretch.reading_noise.add_row(first, row.sigma);
         row.held_out = recording.held_out(recording.time_s(first));
         stretch.times_s.push_back(row.time_s);
         rows_.push_back(row);
@@ -415,21 +415,13 @@ CylinderResiduals::SampledCourse CylinderResiduals::course_of(const RecordedRigs
 void CylinderResiduals::take_reading_noise(Stretch& stretch, std::size_t count) const {
   const ForceBalance& balance = balances_[stretch.recording];
   stretch.reading_noise = balance.reading_noise(count);
-  stretch.owner_noise_N =
+  stretch.reading_noise.owner_N =
       balance.force_noise(RecordedRigs(owner_, recordings_)[stretch.recording], stretch.reading_noise);
 }
 
 double CylinderResiduals::noise_of(const Stretch& stretch, const Bin& bin) const {
   if (signals_[stretch.channel] != Signal::F) return channels_[stretch.channel].noise / std::sqrt(bin.values);
-  return std::hypot(stretch.reading_noise_N(bin.first), pressure_noise(stretch.recording, bin.count));
-}
-
-double CylinderResiduals::factor_for_noise(const Rig& rig, const Stretch& stretch,
-                                           std::span<const double> residuals) const {
-  if (stretch.owner_noise_N == 0) return 1.0;
-  const double noise_N = balances_[stretch.recording].force_noise(rig, stretch.reading_noise);
-  return pneuservo::factor_for_noise(residuals, std::span(rows_).subspan(stretch.first_row, residuals.size()),
-                                     stretch.noise_share, std::pow(noise_N / stretch.owner_noise_N, 2));
+  return std::hypot(stretch.reading_noise.of_row_N(bin.first), pressure_noise(stretch.recording, bin.count));
 }
 
 Eigen::VectorXd CylinderResiduals::plain_column(const Rig& rig, const std::vector<SidedCourse>& gas) const {
@@ -449,7 +441,9 @@ Eigen::VectorXd CylinderResiduals::plain_column(const Rig& rig, const std::vecto
     if (signals_[stretch.channel] == Signal::F) {
       auto force =
           out.segment(static_cast<Eigen::Index>(stretch.first_row), static_cast<Eigen::Index>(stretch.bins.size()));
-      force *= factor_for_noise(rigs[stretch.recording], stretch, {force.data(), stretch.bins.size()});
+      const double noise_N = balances_[stretch.recording].force_noise(rigs[stretch.recording], stretch.reading_noise);
+      force *= stretch.reading_noise.factor({force.data(), stretch.bins.size()},
+                                            std::span(rows_).subspan(stretch.first_row, stretch.bins.size()), noise_N);
     }
     if (stretch.answer.rows() == 0) continue;
     std::vector<double> difference(course.simulated);

@@ -62,10 +62,6 @@ class CylinderResiduals final : public ResidualModel {
     std::vector<double> times_s;  ///< of the bins
     CommandAnswer answer;  ///< of a port; its rows follow the bins'
     ReadingNoise reading_noise;  ///< of a force
-    double owner_noise_N = 0;  ///< what it makes of a force's bins, on the owner's slider
-    std::vector<double>
-        noise_share;  ///< of a force's bins: of the squared sigma, by reading errors and the owner's slider
-    double reading_noise_N(std::size_t first) const { return owner_noise_N * reading_noise.share(first); }
   };
   struct SampledCourse {
     std::vector<double> measured, simulated;
@@ -85,7 +81,6 @@ class CylinderResiduals final : public ResidualModel {
   double pressure_noise(std::size_t recording, std::size_t count) const;
   void take_reading_noise(Stretch& stretch, std::size_t count) const;
   double noise_of(const Stretch& stretch, const Bin& bin) const;  ///< of a row, by its sensors [unit of the channel]
-  double factor_for_noise(const Rig& rig, const Stretch& stretch, std::span<const double> residuals) const;
   SampledCourse course_of(const RecordedRigs& rigs, const SidedCourse& gas, const Stretch& stretch) const;
   SampledCourse force_course(const Rig& rig, const SidedCourse& gas, std::size_t recording) const;
   std::vector<double> chamber_pressure(const Rig& rig, const SidedCourse& gas, std::size_t recording,

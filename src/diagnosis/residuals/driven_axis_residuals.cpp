@@ -122,16 +122,16 @@ DrivenAxisResiduals::DrivenAxisResiduals(const Rig& rig, const std::vector<Recor
     channel.noise = std::max(channel.noise, std::hypot(part.balance.force_noise(rigs[p], part.balance.reading_noise(1)),
                                                        force_noise * part.balance.kernel().noise_gain(0, 1)));
     part.reading_noise = part.balance.reading_noise(row_samples(part.interval_s));
-    part.owner_noise_N = reading_noise_N(part, rigs[p]);
+    part.reading_noise.owner_N = reading_noise_N(part, rigs[p]);
   }
   for (std::size_t i = 0; i < bins_.size(); ++i) {
     Part& part = parts_[bins_[i].part];
     const double bin_s = part.interval_s * static_cast<double>(bins_[i].count);
-    const double reading_N = part.owner_noise_N * part.reading_noise.share(bins_[i].first);
-    const double noise = std::hypot(reading_N, force_noise * part.balance.kernel().noise_gain(0, bins_[i].count));
+    const double noise = std::hypot(part.reading_noise.of_row_N(bins_[i].first),
+                                    force_noise * part.balance.kernel().noise_gain(0, bins_[i].count));
     rows_[i].sigma = std::hypot(noise, jump_error_N(bins_[i]),
                                 channel.floor * std::sqrt(std::max(1.0, floor_correlation_s / bin_s)));
-    part.noise_share.push_back(std::pow(reading_N / rows_[i].sigma, 2));
+    part.reading_noise.add_row(bins_[i].first, rows_[i].sigma);
   }
 }
 
@@ -271,17 +271,15 @@ Eigen::MatrixXd DrivenAxisResiduals::residuals(std::span<const Hypothesis> hypot
     for (std::size_t p = 0, b = 0; p < parts_.size(); ++p) {
       const Part& part = parts_[p];
       const auto [drive, needed] = forces(part, rigs[p]);
-      const std::span residuals(column + b, part.noise_share.size());
+      const std::span residuals(column + b, part.reading_noise.row_share.size());
       for (double& residual : residuals) {
         const Bin& bin = bins_[b];
         double sum = 0;
         for (std::size_t i = bin.first; i < bin.first + bin.count; ++i) sum += needed[i] - drive[i];
         residual = sum / static_cast<double>(bin.count) / rows_[b++].sigma;
       }
-      if (part.owner_noise_N == 0) continue;
-      const double followed = std::pow(reading_noise_N(part, rigs[p]) / part.owner_noise_N, 2);
       const std::span rows = std::span(rows_).subspan(b - residuals.size(), residuals.size());
-      const double factor = factor_for_noise(residuals, rows, part.noise_share, followed);
+      const double factor = part.reading_noise.factor(residuals, rows, reading_noise_N(part, rigs[p]));
       for (double& residual : residuals) residual *= factor;
     }
   }

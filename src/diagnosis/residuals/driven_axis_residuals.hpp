@@ -37,9 +37,7 @@ class DrivenAxisResiduals : public ResidualModel {
     std::array<std::vector<double>, 2> pressure_Pa;  ///< of the chambers, smoothed; empty: no piston
     HeldOut held_out;
     MachineChanges changes;  ///< of the owner's rig while it was recorded
-    ReadingNoise reading_noise{};  ///< of a row
-    double owner_noise_N = 0;  ///< what it makes of a row, on the owner's slider
-    std::vector<double> noise_share{};  ///< of the rows' squared sigmas, by reading errors and the owner's slider
+    ReadingNoise reading_noise{};  ///< of its rows
   };
   struct Bin {
     std::size_t part, first, count;

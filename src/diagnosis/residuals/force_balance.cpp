@@ -240,6 +240,21 @@ ForceBalance::ForceBalance(std::span<const double> position_m, double period_s, 
   hold_out([](std::size_t) { return false; });
 }
 
+double ReadingNoise::factor(std::span<const double> residuals, std::span<const ResidualRow> rows,
+                            double noise_N) const {
+  if (owner_N == 0) return 1.0;
+  const double not_followed = std::max(0.0, 1 - std::pow(noise_N / owner_N, 2));
+  const bool none_is_fitted =
+      std::all_of(rows.begin(), rows.end(), [](const ResidualRow& row) { return row.held_out; });
+  double squares = 0, noise = 0;
+  for (std::size_t i = 0; i < residuals.size(); ++i) {
+    if (rows[i].held_out && !none_is_fitted) continue;
+    squares += residuals[i] * residuals[i];
+    noise += row_share[i] * not_followed;
+  }
+  return squares > 0 ? std::sqrt(1 + noise / squares) : 1.0;
+}
+
 std::vector<double> ForceBalance::reading_errors(std::span<const double> motion_m, std::uint32_t draw) const {
   Random random(1, draw);
   const double off_m = random.uniform(0.0, sensor_.quantum);
@@ -252,7 +267,8 @@ std::vector<double> ForceBalance::reading_errors(std::span<const double> motion_
 }
 
 ReadingNoise ForceBalance::reading_noise(std::size_t count) const {
-  ReadingNoise out{count, 0, 0, 0, {}};
+  ReadingNoise out;
+  out.count = count;
   std::vector<double> squares(samples(), 0.0);
   const std::vector<double> motion_m = without_steps();
   for (std::uint32_t draw = 0; draw < error_draws && sensor_.rms() > 0; ++draw) {
@@ -413,19 +429,6 @@ std::vector<double> ForceBalance::required_beside(const Rig& rig, std::span<cons
     needed[i] = std::clamp(drive_N[i], from - held, from + std::max(more[i], 0.0) + held);
   }
   return needed;
-}
-
-double factor_for_noise(std::span<const double> residuals, std::span<const ResidualRow> rows,
-                        std::span<const double> noise_share, double followed) {
-  const bool none_is_fitted =
-      std::all_of(rows.begin(), rows.end(), [](const ResidualRow& row) { return row.held_out; });
-  double squares = 0, noise = 0;
-  for (std::size_t i = 0; i < residuals.size(); ++i) {
-    if (rows[i].held_out && !none_is_fitted) continue;
-    squares += residuals[i] * residuals[i];
-    noise += noise_share[i] * std::max(0.0, 1 - followed);
-  }
-  return squares > 0 ? std::sqrt(1 + noise / squares) : 1.0;
 }
 
 }  // namespace pneuservo

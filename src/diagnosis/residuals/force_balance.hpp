@@ -18,16 +18,24 @@ inline constexpr double rest_noises = 2.0;
 /// Of a kernel's sigma, in sampling periods: a force that jumps between rows is spread over it.
 inline constexpr double spreading_periods = 2.5;
 
-/// What the position's reading errors are in the means of neighbouring accelerations, of a rigid slider of 1 kg.
+/// What the position's reading errors are in the means of neighbouring accelerations, and so in the rows of a force.
 struct ReadingNoise {
   std::size_t count = 1;  ///< neighbouring values
   /// Mean squares over the recording: of the acceleration's errors, of their product with the jerk's, of the jerk's.
   double acceleration2 = 0, product = 0, jerk2 = 0;
   std::vector<double> acceleration;  ///< rms of the mean from each sample on [m/s2]
-  /// That of the mean from a sample on, over the usual one.
-  double share(std::size_t first) const {
-    return acceleration2 > 0 ? acceleration[first] / std::sqrt(acceleration2) : 0.0;
+  double owner_N = 0;  ///< what it makes of the force on the owner's slider, rms over the recording
+  std::vector<double> row_share;  ///< of the squared sigma of each row, on the owner's slider
+
+  /// Of the row from this sample on, on the owner's slider.
+  double of_row_N(std::size_t first) const {
+    return acceleration2 > 0 ? owner_N * acceleration[first] / std::sqrt(acceleration2) : 0.0;
   }
+  void add_row(std::size_t first, double sigma_N) { row_share.push_back(std::pow(of_row_N(first) / sigma_N, 2)); }
+  /// Factor on the rows' residuals of a slider that these errors make noise_N of: squares grow by the noise that it
+  /// does not follow, so that a load gains nothing by that and keeps what it explains. More than the owner's excuses
+  /// nothing, for what is missing lies elsewhere; rows that are held out scale with the others.
+  double factor(std::span<const double> residuals, std::span<const ResidualRow> rows, double noise_N) const;
 };
 
 /// The motion of one recording. Nothing is simulated: position is differentiated by symmetric Gaussian kernels, and the
@@ -100,12 +108,5 @@ class ForceBalance {
   std::vector<double> edge_mps_;
   std::vector<double> turn_share_;  ///< of the kernel's weight around each sample, where the motion may stand or turn
 };
-
-/// Factor on residuals, in sigmas, of a slider that follows only a part of the reading errors: their squares grow by
-/// the noise that is not there, so that a load which swallows it has nothing from that, and keeps what it explains.
-/// noise_share: of each residual's squared sigma, by the owner's slider. followed: of the squared noise, by this rig's;
-/// above 1 it excuses nothing, for what is missing lies elsewhere. Rows that are held out scale with the others.
-double factor_for_noise(std::span<const double> residuals, std::span<const ResidualRow> rows,
-                        std::span<const double> noise_share, double followed);
 
 }  // namespace pneuservo

@@ -13,8 +13,8 @@ namespace {
 
 /// Pieces of 100 ms are too long for a dead band of a loop that hunts: it passed for a flow past the piston.
 constexpr double piece_s = 0.05;
-/// Cells times sub-steps a second and line: answers to pieces of that length need no waves. Upper levels are 1 % larger
-/// in the median than with two and a half times the effort, 80 % of them within -8 and 3 %.
+/// Cells times sub-steps a second and line: answers to pieces of that length need no waves. Of 60 upper levels on five
+/// clean machines 80 % are those of two and a half times the effort within 0.1 %, all of them within 8 %.
 constexpr double bump_effort_per_s = 12e3;
 /// Of the force's floor: small enough for a derivative at rest, where friction balances it.
 constexpr double probed_share = 0.1;
